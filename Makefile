@@ -1,0 +1,50 @@
+# Everything a checkout needs, on a machine with Python 3.11 or newer and make.
+#   make atlas      set up, then recompute the paper into results/edwards2007/
+#   make test       set up, then run the tests
+#   make check      format, lint, types, tests
+#   make reproduce  the 2007 paper, number by number
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+
+.PHONY: atlas test check reproduce format clean
+.DELETE_ON_ERROR:
+
+atlas: reproduce
+
+reproduce: $(VENV)/run.stamp
+	$(BIN)/standfast reproduce
+
+test: $(VENV)/test.stamp
+	$(BIN)/python -m pytest -n auto
+
+check: $(VENV)/check.stamp
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(MAKE) test
+
+format: $(VENV)/check.stamp
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+clean:
+	rm -rf $(VENV)
+
+# One environment; each level of it adds packages to the one before.
+$(VENV)/bin/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "standfast needs Python 3.11 or newer; name one: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/run.stamp: pyproject.toml constraints.txt | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e .
+	@touch $@
+
+$(VENV)/test.stamp: $(VENV)/run.stamp
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
+	@touch $@
+
+$(VENV)/check.stamp: $(VENV)/test.stamp
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test,check]'
+	@touch $@

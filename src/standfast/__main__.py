@@ -1,0 +1,5 @@
+"""Run the command line as ``python -m standfast``."""
+
+from standfast.cli import run
+
+run()

@@ -1,0 +1,344 @@
+"""The person: three segments above the feet, from published values or scaled from height and mass.
+
+Segments are shank, thigh and upper body, in this order; both legs together. Lengths are measured
+along the upright body, centres of mass from the lower end of the segment.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from standfast.arithmetic import Array, Scalar, namespace
+from standfast.quantities import (
+    PARAMETERS,
+    SEGMENT_PARAMETERS,
+    InputError,
+    checked_number,
+    nearest_name,
+)
+
+BODY_MODELS = ("edwards2007", "winter", "de-leva-male", "de-leva-female")
+
+
+class _BodyFields(NamedTuple):
+    segment_mass: Array
+    segment_inertia: Array
+    segment_length: Array
+    segment_com: Array
+
+
+class Body(_BodyFields):
+    """Mass and geometry of one person, as a named tuple of float64 arrays (so a JAX pytree too).
+
+    Attributes
+    ----------
+    segment_mass : (3,), kg
+        shank, thigh, upper body (both legs together, without the feet).
+    segment_inertia : (3,), kg·m²
+        about the segment's own centre of mass and the medio-lateral axis.
+    segment_length : (2,), m
+        shank (ankle to knee) and thigh (knee to hip).
+    segment_com : (3,), m
+        centre of mass above the lower end: ankle, knee, hip.
+
+    Numbers, lists and NumPy arrays are checked; arrays of another library pass unseen, because a
+    value that is being traced cannot be looked at.
+
+    Raises
+    ------
+    InputError
+        for a wrong number of segments, text, NaN, or a value that no body has.
+    """
+
+    __slots__ = ()
+
+    def __new__(
+        cls,
+        segment_mass: Any,
+        segment_inertia: Any,
+        segment_length: Any,
+        segment_com: Any,
+    ) -> "Body":
+        """Check every plain value and keep it as a read-only float64 array."""
+        return super().__new__(
+            cls,
+            _checked_segments("segment_mass", segment_mass, 3),
+            _checked_segments("segment_inertia", segment_inertia, 3),
+            _checked_segments("segment_length", segment_length, 2),
+            _checked_segments("segment_com", segment_com, 3),
+        )
+
+    @classmethod
+    def edwards2007(cls) -> "Body":
+        """Return the nominal person of Gait & Posture 25 (2007) 432-439: 75.3 kg, 1.753 m.
+
+        Values as listed in the paper's nomenclature (after Chaffin & Andersson 1984).
+        """
+        return REFERENCE_PEOPLE["edwards2007"].body
+
+    @classmethod
+    def from_height_mass(cls, height: float, mass: float, model: str = "winter") -> "Body":
+        """Return a person of ``height`` (m) and ``mass`` (kg) with the proportions of ``model``.
+
+        Masses scale with body mass, lengths with height, inertias with mass · height².
+
+        Raises
+        ------
+        InputError
+            for a model that is not one of ``BODY_MODELS``, or a height or mass out of range.
+        """
+        if model not in BODY_MODELS:
+            raise InputError(
+                f"body_model = {model!r} is not known{nearest_name(model, BODY_MODELS)} "
+                f"(models: {', '.join(BODY_MODELS)})"
+            )
+        return scaled_body(model, checked_number("height", height), checked_number("mass", mass))
+
+
+class _StiffnessFields(NamedTuple):
+    ankle: Scalar
+    knee: Scalar
+    hip: Scalar
+
+
+class Stiffness(_StiffnessFields):
+    """Stiffness of ankle, knee and hip in N·m/rad, both legs together; ``math.inf`` is rigid.
+
+    A named tuple: ``ankle, knee, hip = Stiffness(950.0, 2000.0, 738.0)``.
+
+    Raises
+    ------
+    InputError
+        for a negative stiffness, NaN or text.
+    """
+
+    __slots__ = ()
+
+    def __new__(cls, ankle: Any, knee: Any, hip: Any) -> "Stiffness":
+        """Check every plain value and keep it as a float."""
+        return super().__new__(
+            cls,
+            checked_scalar("ankle_stiffness", ankle),
+            checked_scalar("knee_stiffness", knee),
+            checked_scalar("hip_stiffness", hip),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ReferencePerson:
+    """A body whose height and mass are known, from which others are scaled."""
+
+    height: float  # m
+    mass: float  # kg
+    body: Body
+    source: str
+
+
+@dataclass(frozen=True, slots=True)
+class SegmentRow:
+    """One row of a table of segment parameters; fractions, so without units.
+
+    ``mass`` is of one limb, as a fraction of body mass; ``length`` a fraction of stature; ``com``
+    a fraction of the segment's length, from the end named in ``com_from``; ``gyration`` the radius
+    of gyration about the centre of mass and the medio-lateral axis, a fraction of the length.
+    """
+
+    limbs: int
+    mass: float
+    length: float
+    com: float
+    com_from: str
+    gyration: float
+
+    @property
+    def total_mass(self) -> float:
+        """Mass of all limbs of this kind."""
+        return self.limbs * self.mass
+
+    @property
+    def com_above_lower_end(self) -> float:
+        """Centre of mass above the lower end, a fraction of stature."""
+        return self.length * (self.com if self.com_from == "lower" else 1.0 - self.com)
+
+    @property
+    def inertia(self) -> float:
+        """Inertia of all limbs about their own centre of mass, a fraction of mass · stature²."""
+        return self.total_mass * (self.gyration * self.length) ** 2
+
+
+# Dempster's cadaver data in the form of D. A. Winter, Biomechanics and Motor Control of Human
+# Movement, Table 4.1 and the segment lengths of Drillis & Contini (figure 4.1). HAT = head, arms
+# and trunk; its fractions are of the distance from greater trochanter to shoulder, 0.288 of
+# stature, not of the whole height above the hip.
+WINTER = {
+    "shank": SegmentRow(2, 0.0465, 0.246, 0.567, "lower", 0.302),
+    "thigh": SegmentRow(2, 0.100, 0.245, 0.567, "lower", 0.323),
+    "upper body": SegmentRow(1, 0.678, 0.288, 0.626, "lower", 0.496),
+}
+
+# P. de Leva, J Biomech 29 (1996) 1223-1230, table 4; lengths as fractions of his mean statures.
+# Radii of gyration are his "transverse" ones: sagittal motion turns about the medio-lateral axis.
+# The trunk reaches from mid-hip to cervicale, the head from there to the vertex.
+DE_LEVA = {
+    "de-leva-male": {
+        "shank": SegmentRow(2, 0.0433, 0.2529, 0.4395, "upper", 0.246),
+        "thigh": SegmentRow(2, 0.1416, 0.2425, 0.4095, "upper", 0.329),
+        "trunk": SegmentRow(1, 0.4346, 0.34652, 0.5138, "upper", 0.306),
+        "head": SegmentRow(1, 0.0694, 0.13952, 0.4998, "lower", 0.315),
+        "upper arm": SegmentRow(2, 0.0271, 0.16180, 0.5772, "upper", 0.269),
+        "forearm": SegmentRow(2, 0.0162, 0.15445, 0.4574, "upper", 0.265),
+        "hand": SegmentRow(2, 0.0061, 0.04951, 0.7900, "upper", 0.513),
+    },
+    "de-leva-female": {
+        "shank": SegmentRow(2, 0.0481, 0.2528, 0.4352, "upper", 0.263),
+        "thigh": SegmentRow(2, 0.1478, 0.21239, 0.3612, "upper", 0.364),
+        "trunk": SegmentRow(1, 0.4257, 0.35435, 0.4964, "upper", 0.292),
+        "head": SegmentRow(1, 0.0668, 0.14046, 0.5159, "lower", 0.295),
+        "upper arm": SegmentRow(2, 0.0255, 0.15856, 0.5754, "upper", 0.260),
+        "forearm": SegmentRow(2, 0.0138, 0.15233, 0.4559, "upper", 0.257),
+        "hand": SegmentRow(2, 0.0056, 0.04496, 0.7474, "upper", 0.454),
+    },
+}
+# Mid-shoulder above mid-hip (same table, trunk MIDS-MIDH), of stature: where the arms hang.
+SHOULDER = {"de-leva-male": 0.29609, "de-leva-female": 0.28697}
+
+
+def upper_body(model: str) -> tuple[float, float, float]:
+    """Compose trunk, head and hanging arms of a de Leva model by the parallel-axis theorem.
+
+    Returns mass (of body mass), centre of mass above the hip (of stature) and inertia about that
+    centre (of mass · stature²). The arms hang straight down from the shoulder.
+    """
+    table = DE_LEVA[model]
+    elbow = SHOULDER[model] - table["upper arm"].length
+    wrist = elbow - table["forearm"].length
+    lower_ends = {
+        "trunk": 0.0,
+        "head": table["trunk"].length,
+        "upper arm": elbow,
+        "forearm": wrist,
+        "hand": wrist - table["hand"].length,
+    }
+    heights = {part: low + table[part].com_above_lower_end for part, low in lower_ends.items()}
+    mass = math.fsum(table[part].total_mass for part in heights)
+    com = math.fsum(table[part].total_mass * height for part, height in heights.items()) / mass
+    inertia = math.fsum(
+        table[part].inertia + table[part].total_mass * (height - com) ** 2
+        for part, height in heights.items()
+    )
+    return mass, com, inertia
+
+
+def scaled_body(model: str, height: Scalar, mass: Scalar) -> Body:
+    """Scale the reference person of ``model``; ``height`` (m) and ``mass`` (kg) may be traced."""
+    reference = REFERENCE_PEOPLE[model]
+    return rescaled(reference.body, height / reference.height, mass / reference.mass)
+
+
+def rescaled(body: Body, taller: Scalar, heavier: Scalar) -> Body:
+    """Return a similar body with lengths · ``taller`` and masses · ``heavier``."""
+    xp = namespace(taller, heavier)
+    taller, heavier = xp.asarray(taller), xp.asarray(heavier)
+    return Body._make(
+        (
+            body.segment_mass * heavier,
+            body.segment_inertia * (heavier * taller**2),
+            body.segment_length * taller,
+            body.segment_com * taller,
+        )
+    )
+
+
+def checked_scalar(name: str, value: Any) -> Scalar:
+    """Check a parameter that is a plain value; a value of a tracing library passes unseen."""
+    if isinstance(value, np.ndarray) and value.ndim > 0:
+        raise InputError(
+            f"{name} is an array of shape {value.shape}; give one number, "
+            f"{PARAMETERS[name].allowed}"
+        )
+    return checked_number(name, value) if _is_plain(value) else value
+
+
+def _is_plain(value: Any) -> bool:
+    return value is None or isinstance(
+        value, bool | int | float | complex | str | bytes | Sequence | np.ndarray | np.generic
+    )
+
+
+def _checked_segments(name: str, values: Any, count: int) -> Array:
+    if not _is_plain(values):
+        return values
+    row = SEGMENT_PARAMETERS[name]
+    segments = ("shank", "thigh", "upper body")[:count]
+    if isinstance(values, str) or np.shape(values) != (count,):
+        raise InputError(
+            f"{name} = {values!r} is not {count} numbers; give {', '.join(segments)} in {row.unit}"
+        )
+    checked = np.array(
+        [
+            checked_number(f"{name} of the {segment}", value, row=row)
+            for segment, value in zip(segments, values, strict=True)
+        ]
+    )
+    checked.flags.writeable = False
+    return checked
+
+
+def _winter_person() -> ReferencePerson:
+    rows = tuple(WINTER.values())
+    return ReferencePerson(
+        height=1.0,
+        mass=1.0,
+        body=_unit_body(
+            [row.total_mass for row in rows],
+            [row.inertia for row in rows],
+            [row.length for row in rows[:2]],
+            [row.com_above_lower_end for row in rows],
+        ),
+        source="Dempster via Winter, Biomechanics and Motor Control of Human Movement, table 4.1",
+    )
+
+
+def _de_leva_person(model: str) -> ReferencePerson:
+    legs = (DE_LEVA[model]["shank"], DE_LEVA[model]["thigh"])
+    mass, com, inertia = upper_body(model)
+    return ReferencePerson(
+        height=1.0,
+        mass=1.0,
+        body=_unit_body(
+            [*(row.total_mass for row in legs), mass],
+            [*(row.inertia for row in legs), inertia],
+            [row.length for row in legs],
+            [*(row.com_above_lower_end for row in legs), com],
+        ),
+        source="de Leva, J Biomech 29 (1996) 1223-1230, table 4; upper body composed here",
+    )
+
+
+def _unit_body(*columns: list[float]) -> Body:
+    """Make a body of unit height and mass, whose values no check of a real body would pass."""
+    arrays = [np.array(column) for column in columns]
+    for array in arrays:
+        array.flags.writeable = False
+    return Body._make(arrays)
+
+
+REFERENCE_PEOPLE = {
+    "edwards2007": ReferencePerson(
+        height=1.753,
+        mass=75.3,  # the text also says 75 and 75.2; the listed masses fit 75.3
+        body=Body(
+            segment_mass=(6.478, 15.059, 51.648),
+            segment_inertia=(0.122, 0.291, 3.012),
+            segment_length=(0.431, 0.430),
+            segment_com=(0.245, 0.244, 0.356),
+        ),
+        source="Gait & Posture 25 (2007) 432-439, nomenclature, after Chaffin & Andersson 1984",
+    ),
+    "winter": _winter_person(),
+    "de-leva-male": _de_leva_person("de-leva-male"),
+    "de-leva-female": _de_leva_person("de-leva-female"),
+}

@@ -1,0 +1,205 @@
+"""Arrays to matplotlib: each function draws into the axes that it is given and returns them.
+
+Nothing is computed and nothing is read here. Curves differ in line style and are labelled where
+they run, so that a figure reads in grey; the few colours are those of Okabe & Ito, which are safe
+for colour-blind readers.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from standfast.quantities import PARAMETERS
+
+COLUMN = 3.5  # width of a journal column, inches
+BLUE, VERMILION, GREEN, PURPLE, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#595959"
+LINE_STYLES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
+
+STYLE: Any = {
+    "font.size": 8,
+    "axes.labelsize": 8,
+    "axes.titlesize": 8,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "legend.fontsize": 7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.6,
+    "lines.linewidth": 1.2,
+    "xtick.direction": "out",
+    "ytick.direction": "out",
+    "mathtext.fontset": "dejavusans",
+    "savefig.dpi": 300,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "standfast",
+}
+
+
+@contextmanager
+def paper_figure(
+    *, width: float = COLUMN, height: float = 2.8, panels: int = 1
+) -> Iterator[tuple[Figure, list[Axes]]]:
+    """Give a figure in the style of this module, with ``panels`` axes side by side."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(width, height), layout="constrained")
+        yield figure, list(np.atleast_1d(figure.subplots(1, panels)))
+
+
+def save(figure: Figure, stem: Path) -> list[Path]:
+    """Write ``stem``.png and ``stem``.svg, each whole or not at all and without a clock inside."""
+    paths = []
+    for suffix, metadata in ((".png", {"Software": None}), (".svg", {"Date": None})):
+        path = stem.with_suffix(suffix)
+        partial = path.with_name(f".{path.name}.partial")
+        figure.savefig(partial, format=suffix[1:], metadata=metadata)
+        partial.replace(path)
+        paths.append(path)
+    return paths
+
+
+def root_locus(ax: Axes, hip_stiffness: np.ndarray, roots: np.ndarray) -> Axes:
+    """Draw the least stable pair of roots (1/s, complex, shape (n, 2)) for each hip stiffness."""
+    swaying = np.abs(roots.real).max(axis=1) == 0.0
+    ax.axhline(0.0, color=GREY, linewidth=0.5)
+    ax.axvline(0.0, color=GREY, linewidth=0.5)
+    sway, fall = roots[swaying], roots[~swaying]
+    ax.plot(
+        sway.real.ravel(),
+        sway.imag.ravel(),
+        "o",
+        color=BLUE,
+        markersize=4.5,
+        label="sways (stable)",
+    )
+    ax.plot(
+        fall.real.max(axis=1),
+        0.0 * fall.real.max(axis=1),
+        "^",
+        color=VERMILION,
+        markersize=6,
+        label="growing root (falls)",
+    )
+    ax.plot(
+        fall.real.min(axis=1),
+        0.0 * fall.real.min(axis=1),
+        "v",
+        color=VERMILION,
+        markerfacecolor="none",
+        markersize=6,
+        label="its decaying partner",
+    )
+    labelled = np.inf
+    for k, pair, stable in zip(hip_stiffness, roots, swaying, strict=True):
+        at = (0.0, pair.imag.max()) if stable else (pair.real.max(), 0.0)
+        if stable and abs(at[1] - labelled) < CROWDED:
+            continue
+        labelled = at[1] if stable else labelled
+        offset = (5, -2.5) if stable else (-5, 6)
+        ax.annotate(f"{k:g}", at, offset, textcoords="offset points", fontsize=6.5)
+    ax.set_xlabel("Real part of the root (1/s)")
+    ax.set_ylabel("Imaginary part of the root (rad/s)")
+    ax.text(
+        0.02,
+        0.98,
+        "numbers: hip stiffness\n$K_h$ (N·m/rad)",
+        transform=ax.transAxes,
+        va="top",
+        fontsize=7,
+    )
+    ax.legend(loc="lower left", frameon=False, handletextpad=0.3, borderaxespad=0.0)
+    return ax
+
+
+CROWDED = 0.09  # rad/s; labels of the root locus that would come closer are left out
+
+
+def stability_contours(
+    ax: Axes,
+    contours: Mapping[str, tuple[np.ndarray, np.ndarray]],
+    *,
+    limits: tuple[float, float],
+) -> Axes:
+    """Draw curves of neutral stability (ankle, hip; N·m/rad), one a knee stiffness, labelled."""
+    for style, (name, (ankle, hip)) in zip(LINE_STYLES, contours.items(), strict=False):
+        ax.plot(ankle, hip, linestyle=style, color="black" if "rigid" in name else BLUE)
+        inside = np.flatnonzero((ankle <= limits[1]) & (hip <= limits[1]))
+        label_curve(ax, ankle[inside], hip[inside], name)
+    ax.set_xlim(*limits)
+    ax.set_ylim(*limits)
+    ax.set_aspect("equal")
+    ax.set_xlabel(PARAMETERS["ankle_stiffness"].label)
+    ax.set_ylabel(PARAMETERS["hip_stiffness"].label)
+    return ax
+
+
+def remark(ax: Axes, x: float, y: float, text: str, **style: object) -> None:
+    """Write centred words on a white ground, so that no line runs through them."""
+    ax.text(
+        x,
+        y,
+        text,
+        ha="center",
+        va="center",
+        bbox=WHITE_GROUND,
+        **{"fontsize": 7, **style},  # type: ignore[arg-type] # any text property
+    )
+
+
+WHITE_GROUND = {"boxstyle": "square,pad=0.12", "facecolor": "white", "edgecolor": "none"}
+
+
+def label_curve(ax: Axes, x: np.ndarray, y: np.ndarray, text: str) -> None:
+    """Write a label on a falling curve at the point nearest to the diagonal of its frame."""
+    if x.size == 0:
+        return
+    at = int(np.argmin(np.abs(x - 1.25 * y - 180.0)))
+    ax.annotate(
+        text,
+        (x[at], y[at]),
+        ha="center",
+        va="center",
+        fontsize=7,
+        bbox=WHITE_GROUND,
+    )
+
+
+def stick_figure(
+    ax: Axes, points: np.ndarray, *, linestyle: str, label: str, color: str = "black"
+) -> Axes:
+    """Draw a standing person from the side: points (4, 2) of ankle, knee, hip and head, in m."""
+    ax.plot(
+        points[:, 0], points[:, 1], color=color, linestyle=linestyle, linewidth=1.6, label=label
+    )
+    ax.plot(points[:3, 0], points[:3, 1], "o", color=color, markersize=3.5, markerfacecolor="white")
+    ax.set_aspect("equal")
+    ax.set_xlabel("Forward (m)")
+    ax.set_ylabel("Height above the ankle (m)")
+    return ax
+
+
+def frequency_against_bmi(ax: Axes, bmi: np.ndarray, curves: Mapping[str, np.ndarray]) -> Axes:
+    """Draw the signed angular frequency of the least stable mode (rad/s), one curve a height."""
+    ax.axhline(0.0, color=GREY, linewidth=0.8)
+    low = min(curve.min() for curve in curves.values())
+    ax.axhspan(1.15 * low, 0.0, color="0.93", zorder=0)
+    for style, (name, curve) in zip(LINE_STYLES, curves.items(), strict=False):
+        ax.plot(bmi, curve, linestyle=style, color=BLUE, label=name)
+    ax.set_xlim(bmi[0], bmi[-1])
+    ax.set_ylim(1.15 * low, None)
+    ax.text(bmi[0] + 0.3, 0.9 * low, "falls: minus the growth rate (1/s)", fontsize=7, color=GREY)
+    ax.set_xlabel(PARAMETERS["bmi"].label.replace("Bmi", "Body mass index"))
+    ax.set_ylabel(r"Least stable mode, $\omega$ (rad/s)")
+    ax.legend(title="Height", frameon=False, loc="upper right", alignment="left")
+    return ax
+
+
+def points_of(lengths: Sequence[float], angles: Sequence[float]) -> np.ndarray:
+    """Return the ends (4, 2) of three segments stacked at the given angles from the vertical."""
+    steps = np.column_stack([np.sin(angles), np.cos(angles)]) * np.asarray(lengths)[:, None]
+    return np.vstack([np.zeros(2), np.cumsum(steps, axis=0)])

@@ -1,0 +1,114 @@
+"""What a person gets who gives a wrong value: one sentence with name, value and allowed range."""
+
+import numpy as np
+import pytest
+
+import standfast as sf
+
+NOMINAL = sf.Body.edwards2007()
+STIFF = sf.Stiffness(950.0, 2000.0, 738.0)
+NAN = float("nan")
+MODELS = "(models: edwards2007, winter, de-leva-male, de-leva-female)"
+
+WRONG = [
+    (
+        lambda: sf.Body.from_height_mass(175, 80),
+        "height = 175 is outside the allowed range, 0.5 to 2.8 m; "
+        "175 looks like centimetres, write 1.75",
+    ),
+    (
+        lambda: sf.Body.from_height_mass(1753, 80),
+        "height = 1753 is outside the allowed range, 0.5 to 2.8 m; "
+        "1753 looks like millimetres, write 1.753",
+    ),
+    (
+        lambda: sf.Body.from_height_mass(1.75, 80000),
+        "mass = 80000 is outside the allowed range, 2 to 700 kg; 80000 looks like grams, write 80",
+    ),
+    (
+        lambda: sf.Body.from_height_mass(1.75, -80),
+        "mass = -80 is outside the allowed range, 2 to 700 kg",
+    ),
+    (
+        lambda: sf.Body.from_height_mass(NAN, 80),
+        "height is NaN (not a number); give 0.5 to 2.8 m",
+    ),
+    (
+        lambda: sf.Body.from_height_mass("1.75", 80),
+        "height = '1.75' is text; give a number, 0.5 to 2.8 m",
+    ),
+    (
+        lambda: sf.Body.from_height_mass(1.75, None),
+        "mass = None is of type NoneType; give a number, 2 to 700 kg",
+    ),
+    (
+        lambda: sf.Body.from_height_mass(True, 80),
+        "height = True is of type bool; give a number, 0.5 to 2.8 m",
+    ),
+    (
+        lambda: sf.Body.from_height_mass(1.75, 80, "wintr"),
+        f"body_model = 'wintr' is not known; did you mean 'winter'? {MODELS}",
+    ),
+    (
+        lambda: sf.Body.from_height_mass(1.75, 80, 7),
+        f"body_model = 7 is not known {MODELS}",
+    ),
+    (
+        lambda: sf.Stiffness(-1.0, 2000, 738),
+        "ankle_stiffness = -1 is outside the allowed range, "
+        "0 or more N·m/rad, inf for a rigid joint",
+    ),
+    (
+        lambda: sf.Stiffness(950, NAN, 738),
+        "knee_stiffness is NaN (not a number); give 0 or more N·m/rad, inf for a rigid joint",
+    ),
+    (
+        lambda: sf.Stiffness(950, 2000, "rigid"),
+        "hip_stiffness = 'rigid' is text; give a number, 0 or more N·m/rad, inf for a rigid joint",
+    ),
+    (
+        lambda: sf.Stiffness(np.arange(3.0), 2000, 738),
+        "ankle_stiffness is an array of shape (3,); give one number, "
+        "0 or more N·m/rad, inf for a rigid joint",
+    ),
+    (
+        lambda: sf.is_stable(NOMINAL, STIFF, gravity=-9.8),
+        "gravity = -9.8 is outside the allowed range, 0.001 to 1000 m/s²",
+    ),
+    (
+        lambda: sf.modes(NOMINAL, STIFF, gravity="earth"),
+        "gravity = 'earth' is text; give a number, 0.001 to 1000 m/s²",
+    ),
+    (
+        lambda: sf.equal_rotation(NOMINAL, -5.0),
+        "knee_stiffness = -5 is outside the allowed range, "
+        "0 or more N·m/rad, inf for a rigid joint",
+    ),
+    (
+        lambda: NOMINAL.__class__([6.0, 15.0], [0.1, 0.3, 3.0], [0.4, 0.4], [0.2, 0.2, 0.4]),
+        "segment_mass = [6.0, 15.0] is not 3 numbers; give shank, thigh, upper body in kg",
+    ),
+    (
+        lambda: sf.Body([6, 15, 0], [0.1, 0.3, 3.0], [0.4, 0.4], [0.2, 0.2, 0.4]),
+        "segment_mass of the upper body = 0 is outside the allowed range, 0.001 to 700 kg",
+    ),
+    (
+        lambda: sf.Body([6, 15, 50], [0.1, 0.3, 3.0], [40, 40], [0.2, 0.2, 0.4]),
+        "segment_length of the shank = 40 is outside the allowed range, 0.01 to 2 m",
+    ),
+    (
+        lambda: sf.Body([6, "15", 50], [0.1, 0.3, 3.0], [0.4, 0.4], [0.2, 0.2, 0.4]),
+        "segment_mass of the thigh = '15' is text; give a number, 0.001 to 700 kg",
+    ),
+]
+
+
+@pytest.mark.parametrize(("call", "sentence"), WRONG, ids=[text[:50] for _, text in WRONG])
+def test_one_sentence(call, sentence):
+    with pytest.raises(sf.InputError) as caught:
+        call()
+    assert str(caught.value) == sentence
+
+
+def test_numbers_of_numpy_are_numbers():
+    assert sf.Stiffness(np.float64(950), np.int64(2000), np.array(738.0)) == STIFF

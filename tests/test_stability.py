@@ -1,0 +1,328 @@
+"""The verdict and its margins against minors, LAPACK and exact rational arithmetic."""
+
+import itertools
+import math
+from fractions import Fraction
+
+import jax
+import numpy as np
+import pytest
+import scipy.linalg
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import standfast as sf
+from people import batch, person_of, random_body, random_gravity, random_stiffness
+from standfast import stability
+
+CASES = 1_000_000
+PARTS = 8
+# LAPACK's error is some ulp of the largest eigenvalue: closer to 0 it cannot tell the sign.
+LAPACK_DOUBT = 1e-13
+EXACT_CASES = 12_000
+ULPS = 4
+
+
+def million(part: int):
+    """An eighth of the million: bodies of all models, rigid joints in every combination."""
+    rng = np.random.default_rng((2007, part))
+    size = CASES // PARTS
+    people = [random_body(rng) for _ in range(1000)]
+    bodies = tuple(
+        np.stack(leaf)[rng.integers(1000, size=size)] for leaf in zip(*people, strict=True)
+    )
+    stiffness = 10.0 ** rng.uniform(2.0, 4.0, (3, size))
+    stiffness[rng.random((3, size)) < 0.15] = math.inf
+    return (*bodies, *stiffness, rng.uniform(1.6, 15.0, size))
+
+
+@jax.jit
+@jax.vmap
+def evaluate(*leaves):
+    body, stiffness, gravity = person_of(*leaves)
+    return (
+        stability.verdict(body, stiffness, gravity),
+        stability.verdict_by_minors(body, stiffness, gravity),
+        sf.inertia_matrix(body),
+        sf.stiffness_matrix(body, stiffness, gravity),
+    )
+
+
+def lapack_signs(a, c, rigid):
+    """Smallest and largest eigenvalue by scipy.linalg.eigh, rigid joints struck out."""
+    lowest, highest = np.full(len(a), np.inf), np.full(len(a), np.inf)
+    for pattern in itertools.product((False, True), repeat=3):
+        free = [joint for joint in range(3) if not pattern[joint]]
+        rows = np.flatnonzero((rigid == pattern).all(axis=1))
+        for row in rows if free else ():
+            keep = np.ix_(free, free)
+            values = scipy.linalg.eigh(
+                c[row][keep], a[row][keep], eigvals_only=True, check_finite=False
+            )
+            lowest[row], highest[row] = values[0], np.abs(values).max()
+    return lowest, highest
+
+
+@pytest.mark.parametrize("part", range(PARTS))
+def test_carried_load_verdict_is_that_of_minors_and_of_lapack(part):
+    leaves = million(part)
+    verdict, minors, a, c = (np.array(result) for result in evaluate(*leaves))
+    rigid = np.isinf(np.column_stack(leaves[4:7]))
+    lowest, highest = lapack_signs(a, c, rigid)
+    clear = np.isinf(lowest) | (np.abs(lowest) > LAPACK_DOUBT * highest)
+    assert clear.mean() > 0.9999
+    np.testing.assert_array_equal(verdict[clear], lowest[clear] > 0.0)
+    np.testing.assert_array_equal(verdict[clear], minors[clear])
+    assert 0.2 < verdict.mean() < 0.8
+    # the oracle can fail: one entry of C wrong by a hundredth
+    c[:, 0, 1] *= 1.01
+    c[:, 1, 0] *= 1.01
+    sample = slice(0, 3000)
+    wrong, _ = lapack_signs(a[sample], c[sample], rigid[sample])
+    assert (verdict[sample] != (wrong > 0.0)).any()
+
+
+def exact_loads(body, stiffness, gravity):
+    """L1, L2, L3 in rational arithmetic; None below a joint that fails."""
+    ms, mt, mb = map(Fraction, body.segment_mass)
+    hs, ht = map(Fraction, body.segment_length)
+    es, et, eb = map(Fraction, body.segment_com)
+    g = Fraction(gravity)
+    loads = [g * mb * eb]
+    for own, joint in (
+        (g * (mt * et + mb * ht), stiffness.hip),
+        (g * (ms * es + (mt + mb) * hs), stiffness.knee),
+    ):
+        load = loads[0]
+        if load is None or (math.isfinite(joint) and Fraction(joint) <= load):
+            loads.insert(0, None)
+        elif math.isinf(joint):
+            loads.insert(0, own + load)
+        else:
+            loads.insert(0, own + load * Fraction(joint) / (Fraction(joint) - load))
+    return loads
+
+
+def exact_verdict(body, stiffness, gravity):
+    """Sylvester's criterion in rational arithmetic, rigid joints struck out."""
+    g = Fraction(gravity)
+    ms, mt, mb = map(Fraction, body.segment_mass)
+    hs, ht = map(Fraction, body.segment_length)
+    es, et, eb = map(Fraction, body.segment_com)
+    shank, thigh, upper = g * (ms * es + (mt + mb) * hs), g * (mt * et + mb * ht), g * mb * eb
+    sums = (shank + thigh + upper, thigh + upper, upper)
+    free = [n for n in range(3) if math.isfinite(stiffness[n])]
+    c = [[(Fraction(stiffness[i]) if i == j else 0) - sums[max(i, j)] for j in free] for i in free]
+    # elimination without pivoting meets the ratios of the leading minors
+    for n in range(len(c)):
+        if c[n][n] <= 0:
+            return False
+        for i in range(n + 1, len(c)):
+            factor = c[i][n] / c[n][n]
+            c[i] = [x - factor * y for x, y in zip(c[i], c[n], strict=True)]
+    return True
+
+
+def exact_case(number: int):
+    """A third of the cases lie within 4 ulp of the threshold of one joint."""
+    rng = np.random.default_rng((7, number))
+    body, gravity = random_body(rng), random_gravity(rng)
+    stiffness = sf.Stiffness(*10.0 ** rng.uniform(2.3, 4.0, 3))
+    if number % 2:
+        stiffness = stiffness._replace(**{rng.choice(["ankle", "knee", "hip"]): math.inf})
+    near = number % 3 == 0
+    if near:
+        joint = rng.choice([name for name, k in stiffness._asdict().items() if math.isfinite(k)])
+        threshold = getattr(sf.critical_stiffness(body, stiffness, gravity), joint)
+        if math.isinf(threshold):
+            # nothing helps at this joint: the joint above it is what fails, or the load at rest
+            joint, threshold = "hip", stability.gravity_loads(body, gravity)[2]
+        at = threshold + rng.integers(-ULPS, ULPS + 1) * np.spacing(threshold)
+        stiffness = stiffness._replace(**{joint: float(at)})
+    return body, stiffness, gravity, near
+
+
+@pytest.fixture(scope="module")
+def exact_cases():
+    return [exact_case(number) for number in range(EXACT_CASES)]
+
+
+def test_verdict_differs_from_exact_arithmetic_only_within_the_stated_bound(exact_cases):
+    wrong = uncertain = 0
+    for body, stiffness, gravity, near in exact_cases:
+        exact = exact_verdict(body, stiffness, gravity)
+        certain = sf.verdict_is_certain(body, stiffness, gravity)
+        if sf.is_stable(body, stiffness, gravity) != exact:
+            wrong += 1
+            assert not certain
+        uncertain += not certain
+        # the bound is not an excuse: away from the threshold everything is certain
+        assert certain or near
+    assert sum(near for *_, near in exact_cases) >= EXACT_CASES // 3
+    assert wrong > 100  # the cases do probe rounding
+    assert uncertain < EXACT_CASES // 3 + 1
+
+
+def test_the_rounding_bound_of_the_loads_is_honest_and_tight(exact_cases):
+    largest = 0.0
+    for body, stiffness, gravity, _ in exact_cases:
+        ours = stability.carried_loads(body, stiffness, gravity)
+        bounds = stability.load_rounding(body, stiffness, gravity)
+        for load, bound, exact in zip(
+            ours, bounds, exact_loads(body, stiffness, gravity), strict=True
+        ):
+            if exact is None or math.isinf(bound):
+                continue
+            used = float(abs(Fraction(float(load)) - exact)) / bound
+            assert used <= 1.0
+            largest = max(largest, used)
+    # a bound ten times smaller would be broken, so the check above can fail
+    assert largest > 0.1
+
+
+def test_the_determinant_is_the_product_of_the_margins():
+    rng = np.random.default_rng(11)
+    for _ in range(300):
+        body, stiffness, gravity = random_body(rng), random_stiffness(rng), random_gravity(rng)
+        loads = stability.carried_loads(body, stiffness, gravity)
+        if not np.isfinite(loads).all():
+            continue
+        c = sf.stiffness_matrix(body, stiffness, gravity)
+        product = math.prod(k - load for k, load in zip(stiffness, loads, strict=True))
+        scale = 1e-13 * abs(np.prod(np.abs(c).sum(axis=1)))
+        ours = sf.stability_determinant(body, stiffness, gravity)
+        assert ours == pytest.approx(np.linalg.det(c), abs=scale)
+        assert ours == pytest.approx(product, rel=1e-9, abs=scale)
+
+
+def test_the_determinant_of_a_rigid_joint_is_infinite_with_the_sign_of_the_rest():
+    body = sf.Body.edwards2007()
+    assert sf.stability_determinant(body, sf.Stiffness(math.inf, 2000.0, 738.0)) == math.inf
+    assert sf.stability_determinant(body, sf.Stiffness(700.0, math.inf, math.inf)) == -math.inf
+
+
+def test_each_critical_stiffness_switches_the_verdict():
+    rng = np.random.default_rng(12)
+    switched = 0
+    for _ in range(500):
+        body, gravity = random_body(rng), random_gravity(rng)
+        stiffness = random_stiffness(rng, rigid_share=0.2)
+        for joint, threshold in sf.critical_stiffness(body, stiffness, gravity)._asdict().items():
+            if math.isinf(threshold):
+                assert not sf.is_stable(body, stiffness._replace(**{joint: 1e15}), gravity)
+                continue
+            switched += 1
+            above = stiffness._replace(**{joint: threshold * (1.0 + 1e-9)})
+            below = stiffness._replace(**{joint: threshold * (1.0 - 1e-9)})
+            assert sf.is_stable(body, above, gravity)
+            assert not sf.is_stable(body, below, gravity)
+    assert switched > 300
+
+
+def test_reserve_is_the_smallest_eigenvalue_of_c():
+    rng = np.random.default_rng(13)
+    for _ in range(500):
+        body, gravity = random_body(rng), random_gravity(rng)
+        stiffness = random_stiffness(rng, rigid_share=0.2)
+        free = np.flatnonzero(np.isfinite(stiffness))
+        reserve = sf.stiffness_reserve(body, stiffness, gravity)
+        if free.size == 0:
+            assert reserve == math.inf
+            continue
+        c = sf.stiffness_matrix(body, stiffness, gravity)[np.ix_(free, free)]
+        expected = scipy.linalg.eigvalsh(c)
+        assert reserve == pytest.approx(expected[0], abs=1e-14 * np.abs(expected).max() * 10)
+        assert (reserve > 0.0) == sf.is_stable(body, stiffness, gravity)
+
+
+def test_safety_factor_is_the_smallest_eigenvalue_of_springs_against_gravity():
+    rng = np.random.default_rng(14)
+    for _ in range(500):
+        body, gravity = random_body(rng), random_gravity(rng)
+        stiffness = random_stiffness(rng, rigid_share=0.2)
+        free = np.flatnonzero(np.isfinite(stiffness))
+        factor = sf.safety_factor(body, stiffness, gravity)
+        if free.size == 0:
+            assert factor == math.inf
+            continue
+        keep = np.ix_(free, free)
+        springs = np.diag(np.array(stiffness)[free])
+        load = -sf.stiffness_matrix(body, sf.Stiffness(0.0, 0.0, 0.0), gravity)[keep]
+        expected = scipy.linalg.eigh(springs, load, eigvals_only=True)[0]
+        assert factor == pytest.approx(expected, rel=1e-10)
+        assert (factor > 1.0) == sf.is_stable(body, stiffness, gravity)
+        divided = sf.Stiffness(*(k / factor for k in stiffness))
+        assert sf.stiffness_reserve(body, divided, gravity) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_free_joint_has_no_safety():
+    body = sf.Body.edwards2007()
+    stiffness = sf.Stiffness(0.0, math.inf, 500.0)
+    assert sf.safety_factor(body, stiffness) == pytest.approx(0.0, abs=1e-15)
+    assert not sf.is_stable(body, stiffness)
+
+
+stiffnesses = st.floats(0.0, 1e5) | st.just(math.inf)
+people = st.builds(
+    sf.Body.from_height_mass,
+    st.floats(1.0, 2.2),
+    st.floats(20.0, 200.0),
+    st.sampled_from(sf.BODY_MODELS),
+)
+
+
+@settings(max_examples=300, deadline=None, derandomize=True)
+@given(
+    people, st.tuples(stiffnesses, stiffnesses, stiffnesses), st.tuples(*[st.floats(1.0, 10.0)] * 3)
+)
+def test_stiffening_never_destabilises(body, values, factors):
+    softer = sf.Stiffness(*values)
+    stiffer = sf.Stiffness(*(k * factor for k, factor in zip(values, factors, strict=True)))
+    assert sf.is_stable(body, stiffer) or not sf.is_stable(body, softer)
+    assert sf.stiffness_reserve(body, stiffer) >= sf.stiffness_reserve(body, softer) - 1e-9
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(people, st.floats(100.0, 3000.0))
+def test_the_rigid_limit_is_the_inverted_pendulum(body, ankle):
+    heights = np.array([0.0, body.segment_length[0], body.segment_length.sum()]) + body.segment_com
+    toppling = 9.8 * float(body.segment_mass @ heights)
+    pendulum = sf.Stiffness(ankle, math.inf, math.inf)
+    assert sf.critical_stiffness(body, pendulum, 9.8).ankle == pytest.approx(toppling, rel=1e-14)
+    omega2 = (ankle - toppling) / float(sf.inertia_matrix(body)[0, 0])
+    assert sf.modes(body, pendulum, 9.8).eigenvalues[0] == pytest.approx(
+        omega2, rel=1e-9, abs=1e-10
+    )
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(people, st.tuples(stiffnesses, stiffnesses, stiffnesses), st.floats(0.5, 2.0))
+def test_stiffness_in_proportion_to_weight_leaves_the_verdict(body, values, heavier):
+    """Twice the mass needs twice the stiffness and then has the same safety factor."""
+    heavy = body._replace(segment_mass=body.segment_mass * heavier)
+    factor = sf.safety_factor(body, sf.Stiffness(*values))
+    scaled = sf.safety_factor(heavy, sf.Stiffness(*(k * heavier for k in values)))
+    assert scaled == pytest.approx(factor, rel=1e-12, abs=1e-12)
+
+
+def test_traced_and_plain_calls_agree():
+    rng = np.random.default_rng(15)
+    cases = [(random_body(rng), random_stiffness(rng, rigid_share=0.2), 9.8) for _ in range(64)]
+
+    def everything(*leaves):
+        person = person_of(*leaves)
+        return (
+            *sf.critical_stiffness(*person),
+            sf.stiffness_reserve(*person),
+            sf.safety_factor(*person),
+        )
+
+    traced = np.column_stack(jax.jit(jax.vmap(everything))(*batch(cases)))
+    plain = np.array(
+        [
+            (*sf.critical_stiffness(*case), sf.stiffness_reserve(*case), sf.safety_factor(*case))
+            for case in cases
+        ],
+        dtype=float,
+    )
+    np.testing.assert_allclose(traced, plain, rtol=1e-11)

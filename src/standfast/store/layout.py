@@ -1,0 +1,112 @@
+"""What is inside an atlas file: datasets, axes, attributes, filters.
+
+One dataset a quantity on exactly the axes that it depends on, each axis a dimension scale, each
+parameter with one value a scalar; units and meanings as attributes after the CF conventions. Only
+the filters built into HDF5 are used (shuffle and deflate). No clock, host or thread count enters,
+so the same study always gives the same bytes.
+"""
+
+from typing import Any
+
+import h5py
+import numpy as np
+from isal import isal_zlib
+
+from standfast.quantities import PARAMETERS, QUANTITIES
+from standfast.study import Group, Study
+
+FORMAT = "standfast atlas"
+FORMAT_VERSION = 1
+
+# The oldest layout whose metadata carry checksums; HDF5 1.8 (2008) and all since read it.
+LIBRARY_VERSION = "v108"
+
+# Level 1 of isal is the fastest that still shrinks; its stream is plain deflate.
+DEFLATE_LEVEL = 1
+
+
+def write_layout(file: h5py.File, study: Study, version: str) -> None:
+    """Create all datasets, without their chunks, and all attributes of a study's atlas."""
+    file.attrs["Conventions"] = "CF-1.11"
+    file.attrs["title"] = study.title
+    file.attrs["format"] = FORMAT
+    file.attrs["format_version"] = np.int32(FORMAT_VERSION)
+    file.attrs["standfast_version"] = version
+    file.attrs["study"] = study.canonical
+    file.attrs["study_sha256"] = study.fingerprint
+    for name, values in study.axes.items():
+        scale = _parameter(file, name, values)
+        scale.make_scale(name)
+    for name, value in study.fixed.items():
+        _parameter(file, name, np.asarray(value))
+    for group in study.groups:
+        for quantity in group.quantities:
+            _quantity(file, study, group, quantity)
+
+
+def compressed(values: np.ndarray) -> bytes:
+    """Return a chunk as HDF5 stores it: shuffled if its items have several bytes, deflated."""
+    if values.strides and not any(values.strides):
+        return _constant(values.dtype.str, values.flat[0].item(), values.size)
+    return _deflated(np.ascontiguousarray(values))
+
+
+def inflated(raw: bytes, dtype: np.dtype[Any], shape: tuple[int, ...]) -> np.ndarray:
+    """Return the chunk behind :func:`compressed`."""
+    flat = np.frombuffer(isal_zlib.decompress(raw), np.uint8)
+    if dtype.itemsize > 1:
+        flat = np.ascontiguousarray(flat.reshape(dtype.itemsize, -1).T)
+    return flat.reshape(-1).view(dtype).reshape(shape)
+
+
+_constants: dict[tuple[str, Any, int], bytes] = {}
+
+
+def _constant(dtype: str, value: Any, size: int) -> bytes:
+    """Deflate a chunk of one repeated value once; most chunks of verdicts are of this kind."""
+    key = (dtype, value, size)
+    if key not in _constants:
+        _constants[key] = _deflated(np.full(size, value, dtype))
+    return _constants[key]
+
+
+def _deflated(values: np.ndarray) -> bytes:
+    as_bytes = values.reshape(-1).view(np.uint8)
+    if values.dtype.itemsize > 1:
+        as_bytes = np.ascontiguousarray(as_bytes.reshape(-1, values.dtype.itemsize).T)
+    packed: bytes = isal_zlib.compress(as_bytes, DEFLATE_LEVEL)
+    return packed
+
+
+def _parameter(file: h5py.File, name: str, values: np.ndarray) -> h5py.Dataset:
+    if name == "body_model":
+        dataset = file.create_dataset(name, data=values.astype(object), dtype=h5py.string_dtype())
+        dataset.attrs["long_name"] = "table of segment parameters"
+        return dataset
+    row = PARAMETERS[name]
+    dataset = file.create_dataset(name, data=values.astype(np.float64))
+    dataset.attrs["units"] = row.unit
+    dataset.attrs["long_name"] = row.meaning
+    return dataset
+
+
+def _quantity(file: h5py.File, study: Study, group: Group, quantity: str) -> None:
+    row = QUANTITIES[quantity]
+    storage: dict[str, Any] = {}
+    if group.axes:
+        storage = {
+            "chunks": group.chunk_shape,
+            "compression": "gzip",
+            "compression_opts": DEFLATE_LEVEL,
+            "shuffle": np.dtype(row.dtype).itemsize > 1,
+        }
+    dataset = file.create_dataset(quantity, group.shape, row.dtype, **storage)
+    dataset.attrs["units"] = row.unit
+    dataset.attrs["long_name"] = row.meaning
+    if study.fixed:
+        dataset.attrs["coordinates"] = " ".join(study.fixed)
+    if quantity == "stable":
+        dataset.attrs["flag_values"] = np.array([0, 1], np.uint8)
+        dataset.attrs["flag_meanings"] = "unstable stable"
+    for number, axis in enumerate(group.axes):
+        dataset.dims[number].attach_scale(file[axis])

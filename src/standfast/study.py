@@ -1,0 +1,509 @@
+"""A study: which parameters are fixed, which are axes, and which quantities are wanted.
+
+Read from TOML or built in Python; checked once, here. A study has one canonical form, whose
+SHA-256 is its fingerprint, and fixes by itself how its grids are cut into chunks, tiles and shards:
+nothing about the machine enters, so the same study always gives the same file.
+"""
+
+import hashlib
+import json
+import math
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from standfast.body import BODY_MODELS
+from standfast.quantities import (
+    PARAMETERS,
+    QUANTITIES,
+    STANDARD_GRAVITY,
+    InputError,
+    checked_number,
+    nearest_name,
+)
+
+# A value, a list or a range in canonical form.
+Value: TypeAlias = float | str | list[float] | list[str] | dict[str, Any]
+
+TOP_KEYS = ("title", "gravity", "body", "stiffness", "output")
+BODY_KEYS = {"model": "body_model", "height": "height", "mass": "mass", "bmi": "bmi"}
+STIFFNESS_KEYS = {
+    "ankle": "ankle_stiffness",
+    "knee": "knee_stiffness",
+    "hip": "hip_stiffness",
+}
+OUTPUT_KEYS = ("quantities",)
+RANGE_KEYS = ("start", "stop", "num", "spacing")
+SPACINGS = ("linear", "log")
+LONGEST_AXIS = 10_000_000
+
+# A chunk is the unit of compression and of reading: 2 MiB before compression. A shard, the unit
+# of writing and of resuming, is a run of so many chunks: some seconds of work.
+CHUNK_BYTES = 2 * 2**20
+TILES_PER_SHARD = 128
+
+# The parameters on which each quantity depends, besides those of the body.
+BODY_PARAMETERS = ("body_model", "height", "mass", "bmi", "gravity")
+JOINTS = ("ankle_stiffness", "knee_stiffness", "hip_stiffness")
+
+
+def parameters_of(quantity: str) -> tuple[str, ...]:
+    """Return the names of the parameters that a quantity depends on."""
+    solved_for = quantity.removeprefix("critical_")
+    return BODY_PARAMETERS + tuple(joint for joint in JOINTS if joint != solved_for)
+
+
+@dataclass(frozen=True, slots=True)
+class Tile:
+    """One chunk of the grid of every quantity of a group; the unit of computing."""
+
+    group: int
+    chunk: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Quantities on the same axes and of the same size in memory; they share chunks."""
+
+    quantities: tuple[str, ...]
+    axes: tuple[str, ...]
+    shape: tuple[int, ...]
+    chunk_shape: tuple[int, ...]
+
+    @property
+    def chunks(self) -> tuple[int, ...]:
+        """Number of chunks along each axis."""
+        return tuple(-(-n // c) for n, c in zip(self.shape, self.chunk_shape, strict=True))
+
+    @property
+    def points(self) -> int:
+        """Number of grid points of one quantity."""
+        return math.prod(self.shape)
+
+    def start(self, tile: Tile) -> tuple[int, ...]:
+        """Return the first index of a tile along each axis."""
+        return tuple(i * c for i, c in zip(tile.chunk, self.chunk_shape, strict=True))
+
+
+@dataclass(frozen=True)
+class Study:
+    """A checked study; make one with :meth:`from_toml` or :meth:`from_dict`.
+
+    Attributes
+    ----------
+    title : str
+    parameters : mapping
+        parameter name to value, list or range, in the study's order.
+    quantities : tuple of str
+        what is to be computed.
+    """
+
+    title: str
+    parameters: Mapping[str, Value]
+    quantities: tuple[str, ...]
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> "Study":
+        """Read and check a study file.
+
+        Raises
+        ------
+        InputError
+            if the file is not readable, not TOML, or says something that makes no sense.
+        """
+        path = Path(path)
+        try:
+            text = path.read_text(encoding="utf-8")
+        except FileNotFoundError:
+            raise InputError(f"{path}: there is no such study file") from None
+        except IsADirectoryError:
+            raise InputError(f"{path} is a folder; give a study file") from None
+        except UnicodeDecodeError:
+            raise InputError(f"{path} is not a text file in UTF-8") from None
+        except OSError as error:
+            raise InputError(f"{path} cannot be read: {error.strerror}") from None
+        try:
+            content = tomllib.loads(text)
+        except (tomllib.TOMLDecodeError, RecursionError) as error:
+            raise InputError(f"{path} is not valid TOML: {error}") from None
+        except ValueError as error:  # an integer of thousands of digits
+            raise InputError(f"{path} is not valid TOML: {error}") from None
+        try:
+            return cls.from_dict(content)
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from None
+
+    @classmethod
+    def from_dict(cls, content: Mapping[str, Any]) -> "Study":
+        """Check a study given as nested mappings, laid out as in the TOML file.
+
+        Raises
+        ------
+        InputError
+            naming the key, what was given and what would be right.
+        """
+        _known_keys("study", content, TOP_KEYS)
+        title = content.get("title", "")
+        if not isinstance(title, str):
+            raise InputError(f"title = {title!r} is not text")
+        parameters: dict[str, Value] = {}
+        for key, given in content.items():
+            if key == "gravity":
+                parameters["gravity"] = _value("gravity", "gravity", given)
+            elif key == "body":
+                parameters |= _section("body", given, BODY_KEYS)
+            elif key == "stiffness":
+                parameters |= _section("stiffness", given, STIFFNESS_KEYS)
+        parameters.setdefault("gravity", STANDARD_GRAVITY)
+        parameters.setdefault("body_model", "winter")
+        _check_body(parameters)
+        return cls(title, parameters, _quantities(content.get("output", {})))
+
+    @classmethod
+    def from_canonical(cls, text: str) -> "Study":
+        """Read a study back from its canonical JSON.
+
+        Raises
+        ------
+        InputError
+            if the text is not such a study.
+        """
+        unreadable = InputError("the study inside the file cannot be read")
+        try:
+            content = json.loads(text)
+        except (ValueError, RecursionError):
+            raise unreadable from None
+        if not isinstance(content, dict) or set(content) != {"title", "parameters", "quantities"}:
+            raise unreadable
+        if not isinstance(content["parameters"], dict):
+            raise unreadable
+        parameters: dict[str, Value] = {}
+        for name, given in content["parameters"].items():
+            if name != "body_model" and name not in PARAMETERS:
+                raise unreadable
+            parameters[name] = _value(name, name, _finite_words(given))
+        _check_body(parameters)
+        return cls(
+            str(content["title"]), parameters, _quantities({"quantities": content["quantities"]})
+        )
+
+    @cached_property
+    def canonical(self) -> str:
+        """The one canonical text of this study: JSON without spaces, infinity as ``"inf"``."""
+        content = {
+            "title": self.title,
+            "parameters": {name: _json_value(value) for name, value in self.parameters.items()},
+            "quantities": list(self.quantities),
+        }
+        return json.dumps(content, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """SHA-256 of the canonical text."""
+        return hashlib.sha256(self.canonical.encode()).hexdigest()
+
+    @cached_property
+    def axes(self) -> dict[str, np.ndarray]:
+        """The parameters that vary, in the study's order, with their values."""
+        return {
+            name: values
+            for name, value in self.parameters.items()
+            if (values := axis_values(value)) is not None
+        }
+
+    @cached_property
+    def fixed(self) -> dict[str, float | str]:
+        """The parameters that have one value."""
+        return {
+            name: value
+            for name, value in self.parameters.items()
+            if isinstance(value, float | str)
+        }
+
+    def axes_of(self, quantity: str) -> tuple[str, ...]:
+        """Return the axes that a quantity depends on, in the study's order."""
+        needed = parameters_of(quantity)
+        return tuple(name for name in self.axes if name in needed)
+
+    @cached_property
+    def groups(self) -> tuple[Group, ...]:
+        """The quantities in groups that share axes, item size and therefore chunks."""
+        members: dict[tuple[tuple[str, ...], int], list[str]] = {}
+        for quantity in self.quantities:
+            size = np.dtype(QUANTITIES[quantity].dtype).itemsize
+            members.setdefault((self.axes_of(quantity), size), []).append(quantity)
+        groups = []
+        for (axes, size), quantities in members.items():
+            shape = tuple(len(self.axes[name]) for name in axes)
+            groups.append(
+                Group(tuple(quantities), axes, shape, chunk_shape(shape, CHUNK_BYTES // size))
+            )
+        return tuple(groups)
+
+    @property
+    def points(self) -> int:
+        """Number of values to be computed, over all quantities."""
+        return sum(group.points * len(group.quantities) for group in self.groups)
+
+    @property
+    def raw_bytes(self) -> int:
+        """Size of all values before compression."""
+        return sum(
+            group.points * np.dtype(QUANTITIES[quantity].dtype).itemsize
+            for group in self.groups
+            for quantity in group.quantities
+        )
+
+    @cached_property
+    def tile_count(self) -> int:
+        """Number of tiles."""
+        return sum(math.prod(group.chunks) for group in self.groups)
+
+    @property
+    def shard_count(self) -> int:
+        """Number of shards."""
+        return -(-self.tile_count // TILES_PER_SHARD)
+
+    def shard(self, number: int) -> list[Tile]:
+        """Return the tiles of a shard, in canonical order."""
+        first = number * TILES_PER_SHARD
+        last = min(first + TILES_PER_SHARD, self.tile_count)
+        tiles: list[Tile] = []
+        offset = 0
+        for index, group in enumerate(self.groups):
+            count = math.prod(group.chunks)
+            for flat in range(max(first - offset, 0), min(last - offset, count)):
+                tiles.append(Tile(index, _place(flat, group.chunks)))
+            offset += count
+        return tiles
+
+    def difference(self, other: "Study") -> str:
+        """Return in words what differs from another study, key by key; empty if nothing does."""
+        changes = []
+        if self.title != other.title:
+            changes.append(f"title: {other.title!r} there, {self.title!r} here")
+        names = list(dict.fromkeys([*other.parameters, *self.parameters]))
+        for name in names:
+            there, here = other.parameters.get(name), self.parameters.get(name)
+            if there != here:
+                changes.append(f"{name}: {describe(there)} there, {describe(here)} here")
+        if self.quantities != other.quantities:
+            changes.append(
+                f"quantities: {', '.join(other.quantities)} there, {', '.join(self.quantities)} here"
+            )
+        if not changes and list(self.parameters) != list(other.parameters):
+            changes.append("the order of the parameters")
+        return "; ".join(changes)
+
+
+def _place(flat: int, counts: tuple[int, ...]) -> tuple[int, ...]:
+    """Return the index along each axis of the ``flat``-th chunk, the last axis fastest."""
+    place: list[int] = []
+    for count in reversed(counts):
+        flat, index = divmod(flat, count)
+        place.insert(0, index)
+    return tuple(place)
+
+
+def chunk_shape(shape: tuple[int, ...], limit: int) -> tuple[int, ...]:
+    """Cut a grid into chunks of at most ``limit`` points, as cubic and as even as possible.
+
+    The longest side is cut into one piece more until the chunk fits.
+    """
+    pieces = [1] * len(shape)
+    sides = list(shape)
+    while math.prod(sides) > limit:
+        axis = sides.index(max(sides))
+        pieces[axis] += 1
+        sides[axis] = -(-shape[axis] // pieces[axis])
+    return tuple(sides)
+
+
+def axis_values(value: Value) -> np.ndarray | None:
+    """Return the values of a list or range; None for a single value."""
+    if isinstance(value, list):
+        return np.array(value)
+    if isinstance(value, dict):
+        spaced = np.geomspace if value["spacing"] == "log" else np.linspace
+        values: np.ndarray = spaced(value["start"], value["stop"], value["num"])
+        return values
+    return None
+
+
+def describe(value: Value | None) -> str:
+    """Return a value, list or range in a few words."""
+    if value is None:
+        return "not given"
+    if isinstance(value, dict):
+        spacing = ", log spacing" if value["spacing"] == "log" else ""
+        return f"{value['start']:g} to {value['stop']:g} in {value['num']} steps{spacing}"
+    if isinstance(value, list):
+        words = [item if isinstance(item, str) else f"{item:g}" for item in value]
+        shown = words if len(words) <= 8 else [*words[:3], "…", words[-1]]
+        return f"[{', '.join(shown)}]"
+    return value if isinstance(value, str) else f"{value:g}"
+
+
+def _known_keys(where: str, given: Any, known: Any) -> None:
+    if not isinstance(given, Mapping):
+        raise InputError(f"{where} = {_short(given)} is not a table of {', '.join(known)}")
+    for key in given:
+        if key not in known:
+            raise InputError(
+                f"{where} has no key {key!r}{nearest_name(key, known)} (keys: {', '.join(known)})"
+            )
+
+
+def _section(where: str, given: Any, keys: Mapping[str, str]) -> dict[str, Value]:
+    _known_keys(f"[{where}]", given, keys)
+    return {keys[key]: _value(f"{where}.{key}", keys[key], value) for key, value in given.items()}
+
+
+def _value(where: str, name: str, given: Any) -> Value:
+    """Check a value, a list or a range of one parameter and return it in canonical form."""
+    if isinstance(given, Mapping):
+        if name == "body_model":
+            raise InputError(f"{where} is a table; give a model or a list of models")
+        return _range(where, name, given)
+    if isinstance(given, np.ndarray):
+        given = given.tolist()
+    if not isinstance(given, list | tuple):
+        return _single(where, name, given)
+    if not given:
+        raise InputError(f"{where} is an empty list; give at least one value")
+    if len(given) > LONGEST_AXIS:
+        raise InputError(f"{where} has {len(given)} values; at most {LONGEST_AXIS} are allowed")
+    values = [_single(f"{where}[{number}]", name, item) for number, item in enumerate(given)]
+    if name == "body_model":
+        if len(set(values)) < len(values):
+            raise InputError(f"{where} names a model twice: {', '.join(map(str, values))}")
+        return values
+    for number, (before, after) in enumerate(zip(values, values[1:], strict=False)):
+        if not before < after:
+            fault = "repeats" if before == after else "falls below"
+            raise InputError(
+                f"{where}[{number + 1}] = {after:g} {fault} the value before it; "
+                "the values of an axis must rise"
+            )
+    return values
+
+
+def _single(where: str, name: str, given: Any) -> Any:
+    if name == "body_model":
+        if given not in BODY_MODELS:
+            raise InputError(
+                f"{where} = {_short(given)} is not a body model{nearest_name(given, BODY_MODELS)} "
+                f"(models: {', '.join(BODY_MODELS)})"
+            )
+        return given
+    if isinstance(given, list | tuple | dict):
+        raise InputError(f"{where} = {_short(given)} is not a number")
+    return checked_number(where, _short_text(given), row=PARAMETERS[name]) + 0.0
+
+
+def _range(where: str, name: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    _known_keys(where, given, RANGE_KEYS)
+    for key in ("start", "stop", "num"):
+        if key not in given:
+            raise InputError(f"{where} lacks {key}; a range is {{ start = …, stop = …, num = … }}")
+    row = PARAMETERS[name]
+    start = checked_number(f"{where}.start", _short_text(given["start"]), row=row) + 0.0
+    stop = checked_number(f"{where}.stop", _short_text(given["stop"]), row=row) + 0.0
+    num = given["num"]
+    if isinstance(num, bool) or not isinstance(num, int) or not 2 <= num <= LONGEST_AXIS:
+        raise InputError(
+            f"{where}.num = {_short(num)} is not a whole number of steps, 2 to {LONGEST_AXIS}"
+        )
+    spacing = given.get("spacing", "linear")
+    if spacing not in SPACINGS:
+        raise InputError(
+            f"{where}.spacing = {_short(spacing)} is not known"
+            f"{nearest_name(spacing, SPACINGS)} (spacings: {', '.join(SPACINGS)})"
+        )
+    if math.isinf(stop) or math.isinf(start):
+        raise InputError(f"{where} reaches inf; put inf into a list instead, for example [800, inf]")
+    if start >= stop:
+        raise InputError(f"{where} goes from {start:g} to {stop:g}; stop must be above start")
+    if spacing == "log" and start == 0.0:
+        raise InputError(f"{where}.start = 0 has no logarithm; start a log range above 0")
+    canonical = {"start": start, "stop": stop, "num": num, "spacing": spacing}
+    values = axis_values(canonical)
+    if values is None or not (np.diff(values) > 0.0).all():
+        raise InputError(
+            f"{where} has {num} steps between {start:.17g} and {stop:.17g}, "
+            "more than there are numbers; take fewer"
+        )
+    return canonical
+
+
+def _check_body(parameters: Mapping[str, Value]) -> None:
+    for name, key in (("height", "body.height"), *((p, f"stiffness.{k}") for k, p in STIFFNESS_KEYS.items())):
+        if name not in parameters:
+            raise InputError(f"{key} is missing")
+    if ("mass" in parameters) == ("bmi" in parameters):
+        have = "both are given" if "mass" in parameters else "neither is given"
+        raise InputError(f"body needs mass or bmi, one of them; {have}")
+    if "bmi" in parameters:
+        extremes = [
+            (bmi * height**2, bmi, height)
+            for bmi in _ends(parameters["bmi"])
+            for height in _ends(parameters["height"])
+        ]
+        row = PARAMETERS["mass"]
+        for mass, bmi, height in extremes:
+            if not row.lowest <= mass <= row.highest:
+                raise InputError(
+                    f"body.bmi = {bmi:g} at a height of {height:g} m is a mass of {mass:g} kg, "
+                    f"outside the allowed range, {row.allowed}"
+                )
+
+
+def _ends(value: Value) -> tuple[float, ...]:
+    values = axis_values(value)
+    return (float(values[0]), float(values[-1])) if values is not None else (value,)  # type: ignore[return-value] # heights and bmi are numbers
+
+
+def _quantities(given: Any) -> tuple[str, ...]:
+    _known_keys("[output]", given, OUTPUT_KEYS)
+    names = given.get("quantities", ["stable"])
+    if not isinstance(names, list | tuple):
+        raise InputError(f"output.quantities = {_short(names)} is not a list of quantities")
+    if not names:
+        raise InputError("output.quantities is an empty list; give at least one quantity")
+    for name in names:
+        if not isinstance(name, str) or name not in QUANTITIES:
+            raise InputError(
+                f"output.quantities has no {_short(name)}{nearest_name(name, QUANTITIES)} "
+                f"(quantities: {', '.join(QUANTITIES)})"
+            )
+        if list(names).count(name) > 1:
+            raise InputError(f"output.quantities names {name} twice")
+    return tuple(names)
+
+
+def _json_value(value: Value) -> Any:
+    if isinstance(value, list):
+        return [_json_value(item) for item in value]
+    return "inf" if value == math.inf else value
+
+
+def _finite_words(given: Any) -> Any:
+    """Turn the canonical ``"inf"`` back into a number."""
+    if isinstance(given, list):
+        return [_finite_words(item) for item in given]
+    return math.inf if given == "inf" else given
+
+
+def _short(given: Any) -> str:
+    text = repr(given)
+    return text if len(text) <= 60 else f"{text[:57]}…"
+
+
+def _short_text(given: Any) -> Any:
+    """Cut a long text, so that the message that refuses it stays one line."""
+    return f"{given[:57]}…" if isinstance(given, str) and len(given) > 60 else given

@@ -1,5 +1,5 @@
 # Everything a checkout needs, on a machine with Python 3.11 or newer and make.
-#   make atlas      set up, then recompute the paper into results/edwards2007/
+#   make atlas      set up, then the dense atlas of the nominal adult into results/atlas/
 #   make test       set up, then run the tests
 #   make check      format, lint, types, tests
 #   make reproduce  the 2007 paper, number by number
@@ -10,7 +10,11 @@ BIN := $(VENV)/bin
 .PHONY: atlas test check reproduce format clean
 .DELETE_ON_ERROR:
 
-atlas: reproduce
+atlas: $(VENV)/run.stamp
+	mkdir -p results/atlas
+	$(BIN)/standfast sweep studies/atlas.toml -o results/atlas/atlas.h5
+	$(BIN)/standfast thresholds results/atlas/atlas.h5 -o results/atlas
+	$(BIN)/standfast plot results/atlas/atlas.h5 -o results/atlas
 
 reproduce: $(VENV)/run.stamp
 	$(BIN)/standfast reproduce

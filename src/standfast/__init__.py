@@ -1,7 +1,9 @@
 """How stiff ankle, knee and hip must be for a person to stand.
 
-Everything here runs in NumPy float64 and answers at once; JAX is imported by what needs it.
+The model runs in NumPy float64 and answers at once; JAX and h5py are imported by what needs them.
 """
+
+from typing import TYPE_CHECKING, Any
 
 from standfast.body import BODY_MODELS, Body, Stiffness
 from standfast.dynamics import (
@@ -22,15 +24,22 @@ from standfast.stability import (
     stiffness_reserve,
     verdict_is_certain,
 )
+from standfast.study import Study
+from standfast.sweep import sweep
+
+if TYPE_CHECKING:
+    from standfast.store import Atlas, open_atlas
 
 __version__ = "0.1.0"
 
 __all__ = [
     "BODY_MODELS",
+    "Atlas",
     "Body",
     "InputError",
     "Modes",
     "Stiffness",
+    "Study",
     "critical_stiffness",
     "equal_rotation",
     "frequency",
@@ -40,10 +49,21 @@ __all__ = [
     "joint_moments",
     "kinetic_energy",
     "modes",
+    "open_atlas",
     "potential_energy",
     "safety_factor",
     "stability_determinant",
     "stiffness_matrix",
     "stiffness_reserve",
+    "sweep",
     "verdict_is_certain",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import what needs h5py when it is first asked for."""
+    if name in ("Atlas", "open_atlas"):
+        from standfast import store  # noqa: PLC0415
+
+        return getattr(store, name)
+    raise AttributeError(f"module 'standfast' has no attribute {name!r}")

@@ -1,12 +1,21 @@
 """The command line: the only module that prints, exits or sets flags."""
 
 import argparse
+import contextlib
+import errno
+import json
+import shlex
 import sys
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from standfast import __version__
-from standfast.quantities import InputError
+from standfast.quantities import PARAMETERS, QUANTITIES, InputError, in_bytes
+
+if TYPE_CHECKING:
+    from standfast.study import Study
 
 DONE, FAILED, WRONG_INPUT = 0, 1, 2
 
@@ -19,6 +28,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options.run(options)
     except InputError as error:
         return _complain(str(error), WRONG_INPUT)
+    except StoppedError as stop:
+        return _complain(str(stop), FAILED)
     except OSError as error:
         where = f" ({error.filename})" if error.filename else ""
         return _complain(f"{error.strerror or error}{where}", FAILED)
@@ -42,15 +53,105 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"standfast {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
 
-    reproduce = commands.add_parser(
-        "reproduce",
-        help="recompute the 2007 paper: its figures, and every published number beside ours",
-        description="Recompute Gait & Posture 25 (2007) 432-439: figures 2, 3, 4 and 5 as PNG and "
-        "SVG,\nand a table of every published number beside ours (comparison.md, comparison.csv).",
-        epilog="example: standfast reproduce -o results/edwards2007",
+    _sweep_parser(commands)
+    _thresholds_parser(commands)
+    _plot_parser(commands)
+    _info_parser(commands)
+    _reproduce_parser(commands)
+    return parser
+
+
+def _command(
+    commands: Any, name: str, run: Callable[[argparse.Namespace], None], summary: str, example: str
+) -> argparse.ArgumentParser:
+    parser: argparse.ArgumentParser = commands.add_parser(
+        name,
+        help=summary,
+        description=summary[0].upper() + summary[1:] + ".",
+        epilog=f"example: standfast {name} {example}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    reproduce.add_argument(
+    parser.set_defaults(run=run)
+    return parser
+
+
+def _sweep_parser(commands: Any) -> None:
+    parser = _command(
+        commands,
+        "sweep",
+        _sweep,
+        "compute a study into an atlas file (the same command resumes what was broken off)",
+        "studies/atlas.toml -o atlas.h5",
+    )
+    parser.add_argument("study", type=Path, metavar="STUDY.toml")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE.h5", help="default: the study's name with .h5"
+    )
+    parser.add_argument(
+        "--part",
+        type=_share,
+        metavar="i/N",
+        help="compute the i-th of N shares only, for array jobs; a later call finishes",
+    )
+    parser.add_argument(
+        "--threads", type=_count, metavar="N", help="threads that compress (default: all cores)"
+    )
+
+
+def _thresholds_parser(commands: Any) -> None:
+    parser = _command(
+        commands,
+        "thresholds",
+        _thresholds,
+        "limits of standing over ankle and hip: exact curves of a study, contours of an atlas",
+        "atlas.h5 -o results",
+    )
+    parser.add_argument("source", type=Path, metavar="FILE.h5|STUDY.toml")
+    parser.add_argument(
+        "-o", "--output", type=Path, default=Path(), metavar="FOLDER", help="default: this folder"
+    )
+
+
+def _plot_parser(commands: Any) -> None:
+    parser = _command(
+        commands,
+        "plot",
+        _plot,
+        "draw an atlas: limits of standing, maps and curves of its quantities",
+        "atlas.h5 -o results --format pdf",
+    )
+    parser.add_argument("atlas", type=Path, metavar="FILE.h5")
+    parser.add_argument(
+        "-o", "--output", type=Path, default=Path(), metavar="FOLDER", help="default: this folder"
+    )
+    parser.add_argument(
+        "-q", "--quantity", action="append", default=[], metavar="NAME", help="only this one"
+    )
+    parser.add_argument(
+        "--format",
+        action="append",
+        choices=("png", "svg", "pdf"),
+        help="may be given more than once (default: png)",
+    )
+
+
+def _info_parser(commands: Any) -> None:
+    parser = _command(
+        commands, "info", _info, "say what is inside an atlas file, on one screen", "atlas.h5"
+    )
+    parser.add_argument("atlas", type=Path, metavar="FILE.h5")
+    parser.add_argument("--json", action="store_true", help="as one JSON object")
+
+
+def _reproduce_parser(commands: Any) -> None:
+    parser = _command(
+        commands,
+        "reproduce",
+        _reproduce,
+        "recompute the 2007 paper: its figures, and every published number beside ours",
+        "-o results/edwards2007",
+    )
+    parser.add_argument(
         "-o",
         "--output",
         type=Path,
@@ -58,16 +159,163 @@ def _parser() -> argparse.ArgumentParser:
         metavar="FOLDER",
         help="where to write (default: %(default)s)",
     )
-    reproduce.set_defaults(run=_reproduce)
-    return parser
+
+
+def _share(text: str) -> tuple[int, int]:
+    first, _, last = text.partition("/")
+    if not (first.isdecimal() and last.isdecimal() and 1 <= int(first) <= int(last)):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a share; give i/N, for example 2/8")
+    return int(first), int(last)
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of threads; give 1 or more")
+    return int(text)
+
+
+def _sweep(options: argparse.Namespace) -> None:
+    from standfast.study import Study
+    from standfast.sweep import sweep
+
+    study = Study.from_toml(options.study)
+    output: Path = options.output or Path(options.study.name).with_suffix(".h5")
+    if output.exists() and options.part is None:
+        atlas = sweep(study, output)
+        print(f"{output} is finished already.")
+        return
+    with _progress_bar() as (announce, progress):
+        try:
+            atlas = sweep(
+                study,
+                output,
+                threads=options.threads,
+                part=options.part,
+                progress=progress,
+                announce=announce,
+            )
+        except KeyboardInterrupt:
+            raise StoppedError(
+                f"stopped; what is done is kept in {output}.parts. To go on: {_again()}"
+            ) from None
+        except OSError as error:
+            if error.errno == errno.ENOSPC:
+                raise StoppedError(
+                    f"the disk is full; what is done is kept in {output}.parts. "
+                    f"Make room, then go on: {_again()}"
+                ) from None
+            raise
+    if atlas is None:
+        share = "{}/{}".format(*options.part)
+        print(f"Share {share} of {output} is done; without --part the same command finishes it.")
+    else:
+        print(f"{output}: {study.points:,} values, {in_bytes(output.stat().st_size)}.")
+
+
+def _thresholds(options: argparse.Namespace) -> None:
+    from standfast import thresholds
+
+    source: Path = options.source
+    folder = _folder(options.output)
+    if source.suffix == ".toml":
+        from standfast.study import Study
+
+        study = Study.from_toml(source)
+        found = list(thresholds.contours(study))
+    else:
+        from standfast.store import open_atlas
+
+        atlas = open_atlas(source)
+        study = atlas.study
+        found = list(thresholds.extracted(atlas))
+        name, _ = thresholds.source_of(atlas)
+        print(f"{len(found)} planes of ankle × hip, contours of {name}")
+        for contour in found:
+            where = ", ".join(f"{key} {value}" for key, value in contour.place.values.items())
+            print(
+                f"  {where or 'the plane'}: distance from closed form at most "
+                f"{contour.greatest:.3g}, mean {contour.mean:.3g} N·m/rad "
+                f"(step of the grid {contour.resolution:.3g})"
+            )
+    written = thresholds.write_tables(study, found, folder / f"{source.stem}-thresholds")
+    print(f"Written to {folder}: {', '.join(path.name for path in written)}")
+
+
+def _plot(options: argparse.Namespace) -> None:
+    from standfast.plots import plot
+    from standfast.store import open_atlas
+
+    atlas = open_atlas(options.atlas)
+    folder = _folder(options.output)
+    written = plot(atlas, folder, quantities=options.quantity, formats=options.format or ("png",))
+    print(f"Written to {folder}: {', '.join(path.name for path in written)}")
+
+
+def _info(options: argparse.Namespace) -> None:
+    from standfast.store import beginnings, open_atlas
+
+    begun = None if options.atlas.exists() else beginnings(options.atlas)
+    if begun is not None:
+        _tell_beginnings(options, *begun)
+        return
+    atlas = open_atlas(options.atlas)
+    study = atlas.study
+    size = options.atlas.stat().st_size
+    if options.json:
+        print(
+            json.dumps(
+                {
+                    "title": study.title,
+                    "complete": True,
+                    "standfast_version": atlas.version,
+                    "study_sha256": study.fingerprint,
+                    "study": json.loads(study.canonical),
+                    "values": study.points,
+                    "bytes": size,
+                    "quantities": {name: list(atlas[name].dims) for name in atlas.quantities},
+                }
+            )
+        )
+        return
+    print(f"{options.atlas}: {study.title or 'untitled study'}")
+    print(
+        f"complete, {study.points:,} values, {in_bytes(size)}, "
+        f"written by standfast {atlas.version}\n"
+    )
+    _tell_parameters(study)
+    print()
+    for name in atlas.quantities:
+        variable = atlas[name]
+        axes = " × ".join(
+            f"{axis} {n}" for axis, n in zip(variable.dims, variable.shape, strict=True)
+        )
+        print(f"  {name:26}{axes or 'one value'}   [{QUANTITIES[name].unit}]")
+    print(f"\nstudy {study.fingerprint}")
+
+
+def _tell_beginnings(options: argparse.Namespace, study: "Study", done: int) -> None:
+    count = len(study.shards)
+    if options.json:
+        print(json.dumps({"title": study.title, "complete": False, "done": done, "of": count}))
+        return
+    print(f"{options.atlas}: {study.title or 'untitled study'}")
+    print(f"not finished, {done} of {count} shards; the same sweep command goes on\n")
+    _tell_parameters(study)
+
+
+def _tell_parameters(study: "Study") -> None:
+    from standfast.study import describe
+
+    for name, value in study.parameters.items():
+        unit = "" if name == "body_model" else f" {PARAMETERS[name].unit}"
+        print(f"  {name:18}{describe(value)}{unit}")
 
 
 def _reproduce(options: argparse.Namespace) -> None:
     from standfast.edwards2007.comparison import compare, write_tables
     from standfast.edwards2007.drawings import draw_all
 
-    folder: Path = options.output
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = _folder(options.output)
     comparisons = compare()
     for row in comparisons:
         number = row.published
@@ -77,6 +325,75 @@ def _reproduce(options: argparse.Namespace) -> None:
         )
     written = [*write_tables(comparisons, folder), *draw_all(folder)]
     print(f"\nWritten to {folder}: {', '.join(path.name for path in written)}")
+
+
+class StoppedError(Exception):
+    """A run ended early for a reason outside; the message says how to go on."""
+
+
+# A run that ends sooner needs neither a forecast nor a bar.
+WORTH_A_FORECAST = 5.0  # s
+PLAIN_STEPS = 10
+
+
+@contextlib.contextmanager
+def _progress_bar() -> Iterator[tuple[Callable[[Any], None], Callable[[int, int], None]]]:
+    """Give a forecast and a bar on a terminal, plain lines elsewhere."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = Console(stderr=True)
+
+    def announce(forecast: Any) -> None:
+        if forecast.seconds >= WORTH_A_FORECAST:
+            console.print(
+                f"{forecast.points:,} values to compute, about {in_bytes(forecast.disk_bytes)} on "
+                f"disk at most ({in_bytes(forecast.free_bytes)} free), "
+                f"about {forecast.seconds:.0f} s",
+                highlight=False,
+            )
+
+    began = time.monotonic()
+    if not console.is_terminal:
+        last = 0
+
+        def line(done: int, total: int) -> None:
+            nonlocal last
+            elapsed = time.monotonic() - began
+            if done * PLAIN_STEPS // total > last and elapsed > WORTH_A_FORECAST:
+                last = done * PLAIN_STEPS // total
+                rate = done / elapsed
+                left = (total - done) / rate
+                print(
+                    f"{100 * done // total} %, {rate:.3g} values/s, {left:.0f} s left",
+                    file=sys.stderr,
+                )
+
+        yield announce, line
+        return
+    columns = (
+        BarColumn(),
+        TextColumn("{task.percentage:3.0f} %"),
+        TextColumn("{task.fields[rate]}"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("", total=None, rate="")
+
+        def advance(done: int, total: int) -> None:
+            rate = done / max(time.monotonic() - began, 1e-9)
+            bar.update(task, completed=done, total=total, rate=f"{rate:.3g} values/s")
+
+        yield announce, advance
+
+
+def _folder(folder: Path) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def _again() -> str:
+    return "standfast " + " ".join(shlex.quote(word) for word in sys.argv[1:])
 
 
 def _complain(sentence: str, code: int) -> int:

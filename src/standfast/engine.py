@@ -1,10 +1,10 @@
 """From a tile of a study to arrays: the only place with ``jit`` and ``vmap``.
 
-A quantity is a function of one person and one triple of stiffnesses. It is mapped over the axes that
-it depends on, by name and one axis at a time, so that each intermediate result is computed on its
-own axes alone: gravity loads on those of the body, the knee's load on body × hip, and so on. The
-verdict is the one quantity with a step between: its threshold is computed first, on every axis but
-the ankle's, and then costs one comparison a point.
+A quantity is a function of one person and one triple of stiffnesses. It is mapped over the axes
+that it depends on, by name and one axis at a time, so that each intermediate result is computed on
+its own axes alone: gravity loads on those of the body, the knee's load on body × hip, and so on.
+The verdict is the one quantity with a step between: its threshold is computed first, on every axis
+but the ankle's, and then costs one comparison a point.
 """
 
 from collections.abc import Callable, Mapping
@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from standfast import stability
-from standfast.arithmetic import Array, Scalar
+from standfast.arithmetic import Scalar
 from standfast.body import REFERENCE_PEOPLE, Body, Stiffness, rescaled
 from standfast.modes import frequency, growth_rate, hip_ankle_ratio, knee_ankle_ratio, modes
 from standfast.study import JOINTS, Group, Study, Tile
@@ -126,7 +126,7 @@ def _verdicts(
     compare = jax.jit(compare)
 
     def verdicts(pieces: dict[str, Any]) -> tuple[np.ndarray, ...]:
-        ankle = pieces.get(ANKLE, fixed.get(ANKLE))
+        ankle = pieces[ANKLE] if ANKLE in pieces else fixed[ANKLE]
         threshold = thresholds({name: pieces[name] for name in others})
         lowest, highest = np.min(threshold), np.max(threshold)
         if np.max(ankle) <= lowest or np.min(ankle) > highest:

@@ -13,6 +13,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
 from standfast.quantities import PARAMETERS
@@ -43,21 +44,34 @@ STYLE: Any = {
 
 @contextmanager
 def paper_figure(
-    *, width: float = COLUMN, height: float = 2.8, panels: int = 1
+    *,
+    width: float = COLUMN,
+    height: float = 2.8,
+    panels: tuple[int, int] = (1, 1),
+    shared: bool = False,
 ) -> Iterator[tuple[Figure, list[Axes]]]:
-    """Give a figure in the style of this module, with ``panels`` axes side by side."""
+    """Give a figure in the style of this module, with rows and columns of axes, row by row."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
-        yield figure, list(np.atleast_1d(figure.subplots(1, panels)))
+        axes = figure.subplots(*panels, sharex=shared, sharey=shared, squeeze=False)
+        yield figure, list(axes.ravel())
 
 
-def save(figure: Figure, stem: Path) -> list[Path]:
-    """Write ``stem``.png and ``stem``.svg, each whole or not at all and without a clock inside."""
+# What would put a clock or a version into a file, by format.
+NO_CLOCK: Any = {
+    "png": {"Software": None},
+    "svg": {"Date": None},
+    "pdf": {"CreationDate": None, "Producer": None, "Creator": None},
+}
+
+
+def save(figure: Figure, stem: Path, formats: Sequence[str] = ("png", "svg")) -> list[Path]:
+    """Write ``stem``.png and so on, each whole or not at all and without a clock inside."""
     paths = []
-    for suffix, metadata in ((".png", {"Software": None}), (".svg", {"Date": None})):
-        path = stem.with_suffix(suffix)
+    for suffix in formats:
+        path = stem.with_name(f"{stem.name}.{suffix}")
         partial = path.with_name(f".{path.name}.partial")
-        figure.savefig(partial, format=suffix[1:], metadata=metadata)
+        figure.savefig(partial, format=suffix, metadata=NO_CLOCK[suffix])
         partial.replace(path)
         paths.append(path)
     return paths
@@ -123,18 +137,93 @@ def stability_contours(
     ax: Axes,
     contours: Mapping[str, tuple[np.ndarray, np.ndarray]],
     *,
-    limits: tuple[float, float],
+    ankle_limits: tuple[float, float],
+    hip_limits: tuple[float, float],
 ) -> Axes:
     """Draw curves of neutral stability (ankle, hip; N·m/rad), one a knee stiffness, labelled."""
-    for style, (name, (ankle, hip)) in zip(LINE_STYLES, contours.items(), strict=False):
+    steps = len(contours)
+    for number, (name, (ankle, hip)) in enumerate(contours.items()):
+        style = LINE_STYLES[number % len(LINE_STYLES)]
         ax.plot(ankle, hip, linestyle=style, color="black" if "rigid" in name else BLUE)
-        inside = np.flatnonzero((ankle <= limits[1]) & (hip <= limits[1]))
-        label_curve(ax, ankle[inside], hip[inside], name)
-    ax.set_xlim(*limits)
-    ax.set_ylim(*limits)
-    ax.set_aspect("equal")
+        # labels of neighbouring curves are staggered along their lengths
+        label_curve(
+            ax, ankle, hip, name, share=0.5 + 0.5 * (number / max(steps - 1, 1) - 0.5) * (steps > 1)
+        )
+    ax.set_xlim(*ankle_limits)
+    ax.set_ylim(*hip_limits)
     ax.set_xlabel(PARAMETERS["ankle_stiffness"].label)
     ax.set_ylabel(PARAMETERS["hip_stiffness"].label)
+    return ax
+
+
+def quantity_map(
+    ax: Axes,
+    x: np.ndarray,
+    y: np.ndarray,
+    values: np.ndarray,
+    *,
+    limits: tuple[float, float],
+    neutral: Sequence[np.ndarray] = (),
+) -> QuadMesh:
+    """Draw values (len(y), len(x)) as a map, with the limit of standing as lines (n, 2)."""
+    mesh = ax.pcolormesh(
+        x,
+        y,
+        values,
+        cmap="cividis",
+        vmin=limits[0],
+        vmax=limits[1],
+        shading="nearest",
+        rasterized=True,
+    )
+    for line in neutral:
+        ax.plot(line[:, 0], line[:, 1], color="white", linewidth=2.4)
+        ax.plot(line[:, 0], line[:, 1], color="black", linewidth=1.0)
+    return mesh
+
+
+def strategy_regions(
+    ax: Axes, ankle: np.ndarray, hip: np.ndarray, ratio: np.ndarray, stable: np.ndarray
+) -> Axes:
+    """Draw where the person falls, sways from the ankle (ratio below 1) or from the hip.
+
+    ``ratio`` and ``stable`` are (len(hip), len(ankle)).
+    """
+    regions = np.where(stable, np.where(np.abs(ratio) > 1.0, 2.0, 1.0), 0.0)
+    ax.contourf(
+        ankle,
+        hip,
+        regions,
+        levels=[-0.5, 0.5, 1.5, 2.5],
+        colors=["0.92", "#56B4E9", "#E69F00"],
+        hatches=["", "//", ""],
+    )
+    for region, words in enumerate(("falls", "ankle strategy", "hip strategy")):
+        rows, columns = np.nonzero(regions == region)
+        if rows.size and np.ptp(columns) > 0.45 * ankle.size and np.ptp(rows) > 0.08 * hip.size:
+            middle = np.argsort(columns)[columns.size // 2]
+            inside = np.flatnonzero(columns == columns[middle])
+            remark(ax, ankle[columns[middle]], hip[rows[inside[inside.size // 2]]], words)
+    ax.set_xlabel(PARAMETERS["ankle_stiffness"].label)
+    ax.set_ylabel(PARAMETERS["hip_stiffness"].label)
+    return ax
+
+
+def quantity_curves(
+    ax: Axes, x: np.ndarray, curves: Mapping[str, np.ndarray], *, label: str, axis: str
+) -> Axes:
+    """Draw a quantity along one axis, one labelled curve each."""
+    for number, (name, values) in enumerate(curves.items()):
+        style = LINE_STYLES[number % len(LINE_STYLES)]
+        ax.plot(x, values, linestyle=style, color=BLUE, label=name)
+    if len(curves) > 1:
+        ax.legend(frameon=False)
+    # a curve that runs away towards an asymptote would flatten all the rest
+    finite = np.concatenate([values[np.isfinite(values)] for values in curves.values()])
+    if finite.size and finite.min() > 0.0 and finite.max() > 8.0 * np.median(finite):
+        ax.set_ylim(0.0, 4.0 * np.median(finite))
+    ax.set_xlabel(PARAMETERS[axis].label)
+    ax.set_ylabel(label)
     return ax
 
 
@@ -154,19 +243,16 @@ def remark(ax: Axes, x: float, y: float, text: str, **style: object) -> None:
 WHITE_GROUND = {"boxstyle": "square,pad=0.12", "facecolor": "white", "edgecolor": "none"}
 
 
-def label_curve(ax: Axes, x: np.ndarray, y: np.ndarray, text: str) -> None:
-    """Write a label on a falling curve at the point nearest to the diagonal of its frame."""
+def label_curve(ax: Axes, x: np.ndarray, y: np.ndarray, text: str, *, share: float = 0.5) -> None:
+    """Write a label on a falling curve, at a share of the way along it."""
     if x.size == 0:
         return
-    at = int(np.argmin(np.abs(x - 1.25 * y - 180.0)))
-    ax.annotate(
-        text,
-        (x[at], y[at]),
-        ha="center",
-        va="center",
-        fontsize=7,
-        bbox=WHITE_GROUND,
-    )
+    # length along the curve in units of its own width and height
+    spans = [max(float(np.ptp(values)), 1e-300) for values in (x, y)]
+    steps = np.hypot(np.diff(x, prepend=x[0]) / spans[0], np.diff(y, prepend=y[0]) / spans[1])
+    along = np.cumsum(steps)
+    at = int(np.searchsorted(along, share * along[-1]))
+    remark(ax, x[min(at, x.size - 1)], y[min(at, y.size - 1)], text)
 
 
 def stick_figure(

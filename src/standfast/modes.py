@@ -89,9 +89,7 @@ def growth_rate(eigenvalue: Scalar) -> Scalar:
     return xp.sqrt(xp.maximum(-eigenvalue, 0.0))
 
 
-def hip_ankle_ratio(
-    body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY
-) -> Scalar:
+def hip_ankle_ratio(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY) -> Scalar:
     """Return the hip's rotation per rotation of the ankle in the least stable mode.
 
     Infinite with a rigid ankle; NaN with three rigid joints, when nothing turns.

@@ -206,7 +206,10 @@ def checked_number(name: str, value: Any, *, row: Parameter | None = None) -> fl
     if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
         kind = "text" if isinstance(value, str) else f"of type {type(value).__name__}"
         raise InputError(f"{name} = {value!r} is {kind}; give a number, {row.allowed}")
-    number = float(value)
+    try:
+        number = float(value)
+    except OverflowError:
+        raise InputError(f"{name} is an integer beyond all floats; give {row.allowed}") from None
     if math.isnan(number):
         raise InputError(f"{name} is NaN (not a number); give {row.allowed}")
     if not row.lowest <= number <= row.highest:
@@ -224,3 +227,12 @@ def _likely(row: Parameter, number: float) -> str:
     if row.name == "mass" and row.lowest <= number / 1000.0 <= row.highest:
         return f"; {number:g} looks like grams, write {number / 1000.0:g}"
     return ""
+
+
+def in_bytes(size: float) -> str:
+    """Return a number of bytes as people read it, for example ``12.6 MB``."""
+    for unit in ("bytes", "kB", "MB", "GB"):
+        if size < 1000.0:
+            return f"{size:.3g} {unit}"
+        size /= 1000.0
+    return f"{size:.3g} TB"

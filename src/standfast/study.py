@@ -6,6 +6,7 @@ nothing about the machine enters, so the same study always gives the same file.
 """
 
 import hashlib
+import itertools
 import json
 import math
 import tomllib
@@ -41,11 +42,13 @@ OUTPUT_KEYS = ("quantities",)
 RANGE_KEYS = ("start", "stop", "num", "spacing")
 SPACINGS = ("linear", "log")
 LONGEST_AXIS = 10_000_000
+LARGEST_GRID = 10**13  # three hours at a billion verdicts a second
 
-# A chunk is the unit of compression and of reading: 2 MiB before compression. A shard, the unit
-# of writing and of resuming, is a run of so many chunks: some seconds of work.
+# A chunk is the unit of compression and of reading: 2 MiB before compression. A shard, the unit of
+# writing and of resuming, is a run of chunks of one group: about a second of work, for which a
+# verdict counts far less than a number.
 CHUNK_BYTES = 2 * 2**20
-TILES_PER_SHARD = 128
+TILES_PER_SHARD = {1: 128, 8: 16}  # by bytes of a value
 
 # The parameters on which each quantity depends, besides those of the body.
 BODY_PARAMETERS = ("body_model", "height", "mass", "bmi", "gravity")
@@ -79,6 +82,16 @@ class Group:
     def chunks(self) -> tuple[int, ...]:
         """Number of chunks along each axis."""
         return tuple(-(-n // c) for n, c in zip(self.shape, self.chunk_shape, strict=True))
+
+    @property
+    def tile_count(self) -> int:
+        """Number of tiles."""
+        return math.prod(self.chunks)
+
+    @property
+    def tiles_per_shard(self) -> int:
+        """Number of tiles that are written together."""
+        return TILES_PER_SHARD[np.dtype(QUANTITIES[self.quantities[0]].dtype).itemsize]
 
     @property
     def points(self) -> int:
@@ -162,7 +175,7 @@ class Study:
         parameters.setdefault("gravity", STANDARD_GRAVITY)
         parameters.setdefault("body_model", "winter")
         _check_body(parameters)
-        return cls(title, parameters, _quantities(content.get("output", {})))
+        return cls(title, parameters, _quantities(content.get("output", {})))._checked_size()
 
     @classmethod
     def from_canonical(cls, text: str) -> "Study":
@@ -190,7 +203,7 @@ class Study:
         _check_body(parameters)
         return cls(
             str(content["title"]), parameters, _quantities({"quantities": content["quantities"]})
-        )
+        )._checked_size()
 
     @cached_property
     def canonical(self) -> str:
@@ -220,9 +233,7 @@ class Study:
     def fixed(self) -> dict[str, float | str]:
         """The parameters that have one value."""
         return {
-            name: value
-            for name, value in self.parameters.items()
-            if isinstance(value, float | str)
+            name: value for name, value in self.parameters.items() if isinstance(value, float | str)
         }
 
     def axes_of(self, quantity: str) -> tuple[str, ...]:
@@ -260,54 +271,57 @@ class Study:
         )
 
     @cached_property
-    def tile_count(self) -> int:
-        """Number of tiles."""
-        return sum(math.prod(group.chunks) for group in self.groups)
-
-    @property
-    def shard_count(self) -> int:
-        """Number of shards."""
-        return -(-self.tile_count // TILES_PER_SHARD)
+    def shards(self) -> tuple[tuple[int, range], ...]:
+        """The group of each shard, and the numbers of its tiles within that group."""
+        return tuple(
+            (index, range(first, min(first + group.tiles_per_shard, group.tile_count)))
+            for index, group in enumerate(self.groups)
+            for first in range(0, group.tile_count, group.tiles_per_shard)
+        )
 
     def shard(self, number: int) -> list[Tile]:
-        """Return the tiles of a shard, in canonical order."""
-        first = number * TILES_PER_SHARD
-        last = min(first + TILES_PER_SHARD, self.tile_count)
-        tiles: list[Tile] = []
-        offset = 0
-        for index, group in enumerate(self.groups):
-            count = math.prod(group.chunks)
-            for flat in range(max(first - offset, 0), min(last - offset, count)):
-                tiles.append(Tile(index, _place(flat, group.chunks)))
-            offset += count
-        return tiles
+        """Return the tiles of a shard, in canonical order: the last axis fastest."""
+        index, tiles = self.shards[number]
+        return [self.tile(index, flat) for flat in tiles]
+
+    def tile(self, group: int, number: int) -> Tile:
+        """Return a tile by its number within its group."""
+        place: list[int] = []
+        for count in reversed(self.groups[group].chunks):
+            number, index = divmod(number, count)
+            place.insert(0, index)
+        return Tile(group, tuple(place))
+
+    def _checked_size(self) -> "Study":
+        for name in self.quantities:
+            counts = [len(self.axes[axis]) for axis in self.axes_of(name)]
+            if math.prod(counts) > LARGEST_GRID:
+                raise InputError(
+                    f"the grid of {name} has {math.prod(counts):.3g} points "
+                    f"({' × '.join(map(str, counts))}); at most {LARGEST_GRID:.0e} are allowed"
+                )
+        return self
 
     def difference(self, other: "Study") -> str:
         """Return in words what differs from another study, key by key; empty if nothing does."""
-        changes = []
+        changes: list[str] = []
         if self.title != other.title:
             changes.append(f"title: {other.title!r} there, {self.title!r} here")
         names = list(dict.fromkeys([*other.parameters, *self.parameters]))
-        for name in names:
-            there, here = other.parameters.get(name), self.parameters.get(name)
-            if there != here:
-                changes.append(f"{name}: {describe(there)} there, {describe(here)} here")
+        pairs = {name: (other.parameters.get(name), self.parameters.get(name)) for name in names}
+        changes += [
+            f"{name}: {describe(there)} there, {describe(here)} here"
+            for name, (there, here) in pairs.items()
+            if there != here
+        ]
         if self.quantities != other.quantities:
             changes.append(
-                f"quantities: {', '.join(other.quantities)} there, {', '.join(self.quantities)} here"
+                f"quantities: {', '.join(other.quantities)} there, "
+                f"{', '.join(self.quantities)} here"
             )
         if not changes and list(self.parameters) != list(other.parameters):
             changes.append("the order of the parameters")
         return "; ".join(changes)
-
-
-def _place(flat: int, counts: tuple[int, ...]) -> tuple[int, ...]:
-    """Return the index along each axis of the ``flat``-th chunk, the last axis fastest."""
-    place: list[int] = []
-    for count in reversed(counts):
-        flat, index = divmod(flat, count)
-        place.insert(0, index)
-    return tuple(place)
 
 
 def chunk_shape(shape: tuple[int, ...], limit: int) -> tuple[int, ...]:
@@ -341,7 +355,7 @@ def describe(value: Value | None) -> str:
         return "not given"
     if isinstance(value, dict):
         spacing = ", log spacing" if value["spacing"] == "log" else ""
-        return f"{value['start']:g} to {value['stop']:g} in {value['num']} steps{spacing}"
+        return f"{value['num']} values from {value['start']:g} to {value['stop']:g}{spacing}"
     if isinstance(value, list):
         words = [item if isinstance(item, str) else f"{item:g}" for item in value]
         shown = words if len(words) <= 8 else [*words[:3], "…", words[-1]]
@@ -373,7 +387,8 @@ def _value(where: str, name: str, given: Any) -> Value:
     if isinstance(given, np.ndarray):
         given = given.tolist()
     if not isinstance(given, list | tuple):
-        return _single(where, name, given)
+        single: float | str = _single(where, name, given)
+        return single
     if not given:
         raise InputError(f"{where} is an empty list; give at least one value")
     if len(given) > LONGEST_AXIS:
@@ -383,7 +398,7 @@ def _value(where: str, name: str, given: Any) -> Value:
         if len(set(values)) < len(values):
             raise InputError(f"{where} names a model twice: {', '.join(map(str, values))}")
         return values
-    for number, (before, after) in enumerate(zip(values, values[1:], strict=False)):
+    for number, (before, after) in enumerate(itertools.pairwise(values)):
         if not before < after:
             fault = "repeats" if before == after else "falls below"
             raise InputError(
@@ -417,7 +432,7 @@ def _range(where: str, name: str, given: Mapping[str, Any]) -> dict[str, Any]:
     num = given["num"]
     if isinstance(num, bool) or not isinstance(num, int) or not 2 <= num <= LONGEST_AXIS:
         raise InputError(
-            f"{where}.num = {_short(num)} is not a whole number of steps, 2 to {LONGEST_AXIS}"
+            f"{where}.num = {_short(num)} is not a whole number of values, 2 to {LONGEST_AXIS}"
         )
     spacing = given.get("spacing", "linear")
     if spacing not in SPACINGS:
@@ -426,7 +441,9 @@ def _range(where: str, name: str, given: Mapping[str, Any]) -> dict[str, Any]:
             f"{nearest_name(spacing, SPACINGS)} (spacings: {', '.join(SPACINGS)})"
         )
     if math.isinf(stop) or math.isinf(start):
-        raise InputError(f"{where} reaches inf; put inf into a list instead, for example [800, inf]")
+        raise InputError(
+            f"{where} reaches inf; put inf into a list instead, for example [800, inf]"
+        )
     if start >= stop:
         raise InputError(f"{where} goes from {start:g} to {stop:g}; stop must be above start")
     if spacing == "log" and start == 0.0:
@@ -435,14 +452,17 @@ def _range(where: str, name: str, given: Mapping[str, Any]) -> dict[str, Any]:
     values = axis_values(canonical)
     if values is None or not (np.diff(values) > 0.0).all():
         raise InputError(
-            f"{where} has {num} steps between {start:.17g} and {stop:.17g}, "
+            f"{where} has {num} values between {start:.17g} and {stop:.17g}, "
             "more than there are numbers; take fewer"
         )
     return canonical
 
 
 def _check_body(parameters: Mapping[str, Value]) -> None:
-    for name, key in (("height", "body.height"), *((p, f"stiffness.{k}") for k, p in STIFFNESS_KEYS.items())):
+    for name, key in (
+        ("height", "body.height"),
+        *((p, f"stiffness.{k}") for k, p in STIFFNESS_KEYS.items()),
+    ):
         if name not in parameters:
             raise InputError(f"{key} is missing")
     if ("mass" in parameters) == ("bmi" in parameters):

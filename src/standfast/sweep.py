@@ -1,37 +1,45 @@
-"""The loop: what no shard covers goes through the engine, is compressed in threads, and is stored."""
+"""The loop: what no shard covers goes through the engine, is compressed in threads and stored."""
 
 import json
+import math
 import os
 import platform
 import shutil
 import time
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from importlib.metadata import version as version_of
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from standfast.quantities import InputError
-from standfast.store import Atlas, Workplace, open_atlas
-from standfast.store.layout import compressed
-from standfast.study import TILES_PER_SHARD, Study, Tile
+from standfast.quantities import InputError, in_bytes
+from standfast.study import Study, Tile
 
-# Called with the points done and the points of the whole run, after every tile.
+# h5py and JAX are imported by the functions that use them: `import standfast` stays quick, and
+# `standfast.sweep` is this module's function from the start.
+if TYPE_CHECKING:
+    from standfast.store import Atlas, Workplace
+
+# Called with the values done and the values of the whole run, after every tile.
 Progress = Callable[[int, int], None]
 Announce = Callable[["Forecast"], None]
+Evaluate = Callable[[Tile], tuple[np.ndarray, ...]]
+Packed = tuple[Tile, tuple[bytes, ...]]
 
-# Tiles that are computed or compressed ahead of the one being stored.
-AHEAD = 4
+# Tiles computed ahead of those being compressed, for each thread that compresses.
+AHEAD = 2
 
 
 @dataclass(frozen=True, slots=True)
 class Forecast:
-    """What a run will take, estimated from a few of its tiles."""
+    """What a run will take, estimated from three tiles of each group."""
 
     points: int
-    stored_bytes: int
+    disk_bytes: int
     seconds: float
     free_bytes: int
 
@@ -44,7 +52,7 @@ def sweep(
     part: tuple[int, int] | None = None,
     progress: Progress | None = None,
     announce: Announce | None = None,
-) -> Atlas | None:
+) -> "Atlas | None":
     """Compute a study into an atlas file; the same call resumes what was broken off.
 
     Parameters
@@ -70,139 +78,137 @@ def sweep(
     OSError
         if the disk fills up after all; what is done stays and the same call goes on.
     """
+    from standfast import __version__  # noqa: PLC0415 - the package imports this module
+    from standfast.store import Workplace, open_atlas  # noqa: PLC0415 - imports h5py
+
     output = Path(output)
     if part is not None and not 1 <= part[0] <= part[1]:
         raise InputError(f"part = {part[0]}/{part[1]} is not a share; give i/N with 1 ≤ i ≤ N")
     if output.exists():
-        return _already_there(study, output)
-    from standfast import __version__ as version  # noqa: PLC0415 - the package imports this module
-
+        return _already_there(study, open_atlas(output))
     began = time.perf_counter()
-    with Workplace.enter(output, study, version, part=part) as place:
+    with Workplace.enter(output, study, __version__, part=part) as place:
+        if output.exists():  # another run finished it while this one waited for its lock
+            return _already_there(study, open_atlas(output))
         missing = place.missing()
         if part is not None:
             missing = [number for number in missing if number % part[1] == part[0] - 1]
         if missing:
-            run = _Run(study, place, threads or os.cpu_count() or 1, progress)
-            run.compute(missing, announce)
+            _compute(study, place, missing, threads or os.cpu_count() or 1, progress, announce)
         if part is not None:
             return None
         place.finish()
-    _write_story(study, output, version, time.perf_counter() - began, len(missing))
+    _write_story(study, output, __version__, time.perf_counter() - began, len(missing))
     return open_atlas(output)
 
 
-def _already_there(study: Study, output: Path) -> Atlas:
-    """Return the finished atlas of this very study; refuse any other file."""
-    atlas = open_atlas(output)
+def _already_there(study: Study, atlas: "Atlas") -> "Atlas":
+    """Return the finished atlas of this very study; refuse any other."""
     if atlas.study.fingerprint != study.fingerprint:
         raise InputError(
-            f"{output} is the atlas of another study ({study.difference(atlas.study)}); "
-            "choose another output with -o or move it away"
+            f"{atlas.path} is the atlas of another study ({study.difference(atlas.study)}); "
+            "choose another output or move it away"
         )
     return atlas
 
 
-class _Run:
-    """One run's state: engine, threads, counter."""
+def _compute(
+    study: Study,
+    place: "Workplace",
+    missing: list[int],
+    threads: int,
+    progress: Progress | None,
+    announce: Announce | None,
+) -> None:
+    """Compute and store the missing shards; one is written while the next is computed."""
+    from standfast.engine import evaluator  # noqa: PLC0415 - imports JAX
 
-    def __init__(
-        self, study: Study, place: Workplace, threads: int, progress: Progress | None
-    ) -> None:
-        from standfast.engine import evaluator  # noqa: PLC0415 - imports JAX, only when computing
-
-        self.study = study
-        self.place = place
-        self.threads = threads
-        self.progress = progress
-        self.evaluate = evaluator(study)
-        self.done = 0
-        self.total = 0
-
-    def compute(self, missing: list[int], announce: Announce | None) -> None:
-        """Compute and store the missing shards, one after the other."""
-        self.total = sum(self._points(tile) for n in missing for tile in self.study.shard(n))
-        forecast = self._forecast(missing)
-        if forecast.stored_bytes > forecast.free_bytes:
-            raise InputError(
-                f"the study needs about {_bytes(forecast.stored_bytes)} of disk while it is "
-                f"finished, and {_bytes(forecast.free_bytes)} are free beside {self.place.target}; "
-                "take fewer values or another disk"
-            )
-        if announce is not None:
-            announce(forecast)
-        with ThreadPoolExecutor(self.threads) as pool, ThreadPoolExecutor(1) as writer:
-            written: Future[None] | None = None
-            for number in missing:
-                packed = self._shard(number, pool)
-                if written is not None:
-                    written.result()
-                written = writer.submit(self.place.write, number, packed)
+    evaluate = evaluator(study)
+    total = sum(_points(study, tile) for number in missing for tile in study.shard(number))
+    forecast = _forecast(study, evaluate, place.folder, total)
+    if forecast.disk_bytes > forecast.free_bytes:
+        raise InputError(
+            f"the study needs about {in_bytes(forecast.disk_bytes)} of disk until it is finished, "
+            f"and {in_bytes(forecast.free_bytes)} are free beside {place.target}; "
+            "take fewer values or another disk"
+        )
+    if announce is not None:
+        announce(forecast)
+    done = 0
+    with ThreadPoolExecutor(threads) as pool, ThreadPoolExecutor(1) as writer:
+        written: Future[None] | None = None
+        for number in missing:
+            packed = []
+            for tile, chunks in _packed(study, study.shard(number), evaluate, pool, threads):
+                packed.append((tile, chunks))
+                done += _points(study, tile)
+                if progress is not None:
+                    progress(done, total)
             if written is not None:
                 written.result()
+            written = writer.submit(place.write, number, packed)
+        if written is not None:
+            written.result()
 
-    def _shard(self, number: int, pool: ThreadPoolExecutor) -> list[tuple[Tile, tuple[bytes, ...]]]:
-        packed: list[tuple[Tile, tuple[bytes, ...]]] = []
-        waiting: list[tuple[Tile, Future[tuple[bytes, ...]]]] = []
 
-        def take() -> None:
-            tile, job = waiting.pop(0)
-            packed.append((tile, job.result()))
-            self.done += self._points(tile)
-            if self.progress is not None:
-                self.progress(self.done, self.total)
-
-        for tile in self.study.shard(number):
-            waiting.append((tile, pool.submit(_pack, self.study, tile, self.evaluate(tile))))
-            if len(waiting) > AHEAD * self.threads:
-                take()
-        while waiting:
-            take()
-        return packed
-
-    def _forecast(self, missing: list[int]) -> Forecast:
-        """Compute three tiles of each group and take them for the rest."""
-        seconds = stored = 0.0
-        for number, group in enumerate(self.study.groups):
-            count = int(np.prod(group.chunks))
-            for flat in sorted({0, count // 2, count - 1}):
-                chunk = tuple(int(i) for i in np.unravel_index(flat, group.chunks)) if count > 1 else tuple(0 for _ in group.chunks)
-                tile = Tile(number, chunk)
-                self.evaluate(tile)
-                began = time.perf_counter()
-                size = sum(map(len, _pack(self.study, tile, self.evaluate(tile))))
-                share = count / len({0, count // 2, count - 1})
-                seconds += share * (time.perf_counter() - began)
-                stored += share * size
-        left = len(missing) * TILES_PER_SHARD / max(self.study.tile_count, TILES_PER_SHARD)
-        free = shutil.disk_usage(self.place.folder).free
-        # shards and the finished file are on disk together, but shards that are there already are
-        # counted in what is free
-        return Forecast(self.total, int(stored * (1.0 + min(left, 1.0))), seconds * min(left, 1.0), free)
-
-    def _points(self, tile: Tile) -> int:
-        group = self.study.groups[tile.group]
-        inside = (
-            min(side, length - first)
-            for side, length, first in zip(
-                group.chunk_shape, group.shape, group.start(tile), strict=True
-            )
-        )
-        return int(np.prod([*inside, len(group.quantities)]))
+def _packed(
+    study: Study,
+    tiles: Iterable[Tile],
+    evaluate: Evaluate,
+    pool: ThreadPoolExecutor,
+    threads: int,
+) -> Iterable[Packed]:
+    """Compute tiles here and compress them in the pool; give them back in order."""
+    waiting: deque[tuple[Tile, Future[tuple[bytes, ...]]]] = deque()
+    for tile in tiles:
+        waiting.append((tile, pool.submit(_pack, study, tile, evaluate(tile))))
+        if len(waiting) > AHEAD * threads:
+            oldest, job = waiting.popleft()
+            yield oldest, job.result()
+    for oldest, job in waiting:
+        yield oldest, job.result()
 
 
 def _pack(study: Study, tile: Tile, arrays: tuple[np.ndarray, ...]) -> tuple[bytes, ...]:
+    from standfast.store.layout import compressed  # noqa: PLC0415 - imports h5py
+
     if study.groups[tile.group].axes:
         return tuple(compressed(array) for array in arrays)
     return tuple(np.asarray(array).tobytes() for array in arrays)
 
 
-def _bytes(size: float) -> str:
-    for unit in ("bytes", "kB", "MB", "GB"):
-        if size < 1000.0:
-            return f"{size:.3g} {unit}"
-        size /= 1000.0
-    return f"{size:.3g} TB"
+def _forecast(study: Study, evaluate: Evaluate, folder: Path, total: int) -> Forecast:
+    """Compute the first, middle and last tile of each group and take them for the rest."""
+    seconds = size = 0.0
+    for index, group in enumerate(study.groups):
+        count = group.tile_count
+        sample = sorted({0, count // 2, count - 1})
+        for number in sample:
+            tile = study.tile(index, number)
+            evaluate(tile)  # compiles
+            began = time.perf_counter()
+            size += sum(map(len, _pack(study, tile, evaluate(tile)))) * count / len(sample)
+            seconds += (time.perf_counter() - began) * count / len(sample)
+    share = total / study.points
+    # shards and the finished file are on the disk together for a moment
+    return Forecast(
+        points=total,
+        disk_bytes=int(size * (1.0 + share)),
+        seconds=seconds * share,
+        free_bytes=shutil.disk_usage(folder).free,
+    )
+
+
+def _points(study: Study, tile: Tile) -> int:
+    """Count the values of a tile that lie inside the grid."""
+    group = study.groups[tile.group]
+    inside = (
+        min(side, length - first)
+        for side, length, first in zip(
+            group.chunk_shape, group.shape, group.start(tile), strict=True
+        )
+    )
+    return math.prod(inside) * len(group.quantities)
 
 
 def _write_story(study: Study, output: Path, version: str, seconds: float, shards: int) -> None:
@@ -210,11 +216,11 @@ def _write_story(study: Study, output: Path, version: str, seconds: float, shard
     story = {
         "study": study.title,
         "study_sha256": study.fingerprint,
-        "points": study.points,
+        "values": study.points,
         "seconds": round(seconds, 3),
-        "points_per_second": round(study.points / seconds) if seconds > 0 else None,
+        "values_per_second": round(study.points / seconds),
         "shards_computed": shards,
-        "shards": study.shard_count,
+        "shards": len(study.shards),
         "bytes_before_compression": study.raw_bytes,
         "bytes": output.stat().st_size,
         "finished": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
@@ -227,7 +233,7 @@ def _write_story(study: Study, output: Path, version: str, seconds: float, shard
             **{name: version_of(name) for name in ("jax", "numpy", "h5py", "isal")},
         },
     }
-    path = output.with_name(output.name.removesuffix(".h5") + ".run.json")
+    path = output.with_name(f"{output.name.removesuffix('.h5')}.run.json")
     partial = path.with_name(f".{path.name}.partial")
     partial.write_text(json.dumps(story, indent=2) + "\n", encoding="utf-8")
     partial.replace(path)

@@ -65,7 +65,8 @@ def draw_figure_3(body: Body, folder: Path) -> list[Path]:
     low, high = FIGURE_3_LIMITS
     contours = {curve_name(knee): neutral_contour(body, knee, high) for knee in FIGURE_3_KNEES}
     with figures.paper_figure(height=3.7) as (figure, (ax,)):
-        figures.stability_contours(ax, contours, limits=(low, high))
+        figures.stability_contours(ax, contours, ankle_limits=(low, high), hip_limits=(low, high))
+        ax.set_aspect("equal")
         ankle_only = critical_ankle_stiffness(body, RIGID, RIGID, GRAVITY)
         hip_only = critical_hip_stiffness(body, RIGID, RIGID, GRAVITY)
         ax.axvline(ankle_only, color=figures.GREY, linewidth=0.6)
@@ -120,7 +121,7 @@ def draw_figure_4(body: Body, folder: Path) -> list[Path]:
     """Sway patterns of the first two modes: extreme positions, the ankle turning by 10°."""
     result = modes(body, FIGURE_4, GRAVITY)
     lengths = (*body.segment_length, HEAD_ABOVE_ANKLE - float(np.sum(body.segment_length)))
-    with figures.paper_figure(height=3.0, panels=2) as (figure, axes):
+    with figures.paper_figure(height=3.0, panels=(1, 2)) as (figure, axes):
         for mode, (ax, letter) in enumerate(zip(axes, "ab", strict=True)):
             shape = result.shapes[:, mode]
             for sign, linestyle, label in ((1.0, "-", "one extreme"), (-1.0, "--", "the other")):

@@ -19,6 +19,7 @@ from standfast.store.layout import FORMAT, FORMAT_VERSION, inflated
 from standfast.study import Group, Study
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+SLAB_BYTES = 2**28
 BUILT_IN_FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE}
 
 
@@ -94,8 +95,7 @@ class Variable:
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
         del copy  # what is read from a file is always new
-        values = self[...]
-        return values if dtype is None else values.astype(dtype)
+        return np.asarray(self[...], dtype)
 
     def __getitem__(self, index: Any) -> np.ndarray:
         """Read a piece: integers and slices are read chunk by chunk in threads."""
@@ -103,20 +103,37 @@ class Variable:
         with _opened(self.path) as file:
             dataset = file[self.quantity.name]
             if not self.group.axes or box is None:
-                piece: np.ndarray = np.asarray(dataset[index])
-                return piece
+                return _read_as_h5py_does(dataset, index)
             values = _read_box(dataset, self.group, self.dtype, box)
-        return values[_within(index, self.shape)]
+        piece: np.ndarray = values[_within(index, self.shape)]
+        return piece
 
     def slabs(self, *, along: tuple[str, ...]) -> Iterator[tuple[dict[str, int], np.ndarray]]:
-        """Go through the grid piece by piece: whole planes ``along`` some axes, one at a time.
+        """Go through the grid plane by plane: all of the axes ``along``, one place of the others.
 
         Yields the index of each other axis by name, and the plane with its axes in study order.
+        Planes are read as many at a time as share their chunks, within ``SLAB_BYTES``.
         """
-        others = [axis for axis in self.dims if axis not in along]
-        for place in product(*(range(self.shape[self.dims.index(axis)]) for axis in others)):
-            at = dict(zip(others, place, strict=True))
-            yield at, self[tuple(at.get(axis, slice(None)) for axis in self.dims)]
+        others = [number for number, axis in enumerate(self.dims) if axis not in along]
+        sides = [self.group.chunk_shape[number] for number in others]
+        plane = self.dtype.itemsize * math.prod(
+            length for axis, length in zip(self.dims, self.shape, strict=True) if axis in along
+        )
+        while sides and max(sides) > 1 and plane * math.prod(sides) > SLAB_BYTES:
+            longest = sides.index(max(sides))
+            sides[longest] = -(-sides[longest] // 2)
+        starts = (range(0, self.shape[n], side) for n, side in zip(others, sides, strict=True))
+        for corner in product(*starts):
+            box: list[slice] = [slice(None)] * len(self.dims)
+            for number, first, side in zip(others, corner, sides, strict=True):
+                box[number] = slice(first, first + side)
+            slab = self[tuple(box)]
+            for within in product(*(range(slab.shape[number]) for number in others)):
+                at: list[Any] = [slice(None)] * len(self.dims)
+                for number, place in zip(others, within, strict=True):
+                    at[number] = place
+                places = zip(others, corner, within, strict=True)
+                yield {self.dims[n]: low + place for n, low, place in places}, slab[tuple(at)]
 
 
 def open_atlas(path: str | Path) -> Atlas:
@@ -134,7 +151,9 @@ def open_atlas(path: str | Path) -> Atlas:
             signature = raw.read(len(HDF5_SIGNATURE))
     except FileNotFoundError:
         parts = path.with_name(path.name + ".parts")
-        hint = ", only the beginnings of it: run the sweep again to finish" if parts.is_dir() else ""
+        hint = (
+            ", only the beginnings of it: run the sweep again to finish" if parts.is_dir() else ""
+        )
         raise InputError(f"{path}: there is no such file{hint}") from None
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}") from None
@@ -170,7 +189,7 @@ def _opened(path: Path) -> Iterator[h5py.File]:
     try:
         with h5py.File(path, "r") as file:
             yield file
-    except InputError:
+    except (InputError, IndexError):
         raise
     except Exception as error:  # HDF5 reports damage by almost any exception
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
@@ -197,6 +216,14 @@ def _check_dataset(path: Path, file: h5py.File, group: Group, name: str) -> None
         raise InputError(f"{path}: the dataset {name!r} is not as its study says")
     if group.axes and dataset.id.get_num_chunks() != math.prod(group.chunks):
         raise InputError(f"{path}: chunks of {name!r} are missing")
+
+
+def _read_as_h5py_does(dataset: h5py.Dataset, index: Any) -> np.ndarray:
+    """Read by an index that is not made of integers and rising slices."""
+    try:
+        return np.asarray(dataset[index])
+    except (TypeError, ValueError) as error:
+        raise IndexError(str(error)) from None
 
 
 def _box(index: Any, shape: tuple[int, ...]) -> tuple[slice, ...] | None:

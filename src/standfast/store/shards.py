@@ -28,7 +28,9 @@ def shard_path(folder: Path, number: int) -> Path:
     return folder / f"shard-{number:06d}.h5"
 
 
-def write_shard(folder: Path, study: Study, version: str, number: int, packed: Iterable[Packed]) -> None:
+def write_shard(
+    folder: Path, study: Study, version: str, number: int, packed: Iterable[Packed]
+) -> None:
     """Write a shard whole: temporary name, sync, rename, sync of the folder.
 
     Raises
@@ -112,7 +114,7 @@ def _image(study: Study, version: str, packed: Iterable[Packed]) -> bytes:
 def _header(study: Study, version: str, number: int, digest: str) -> bytes:
     content = {
         "standfast_shard": number,
-        "of": study.shard_count,
+        "of": len(study.shards),
         "study": study.fingerprint,
         "version": version,
         "sha256": digest,

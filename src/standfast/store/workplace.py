@@ -63,7 +63,7 @@ class Workplace:
         OSError
             if the folder cannot be made.
         """
-        folder = target.with_name(target.name + ".parts")
+        folder = parts_of(target)
         if not target.parent.is_dir():
             raise InputError(f"{target.parent} is not a folder; make it first, or name another")
         folder.mkdir(exist_ok=True)
@@ -100,7 +100,7 @@ class Workplace:
         """Return the shards that no valid file covers."""
         return [
             number
-            for number in range(self.study.shard_count)
+            for number in range(len(self.study.shards))
             if not is_valid(self.folder, self.study, self.version, number)
         ]
 
@@ -119,13 +119,13 @@ class Workplace:
         partial = self.folder / ".atlas.partial"
         size = sum(
             shard_path(self.folder, number).stat().st_size
-            for number in range(self.study.shard_count)
+            for number in range(len(self.study.shards))
         )
         _require_room(self.folder, size)
         written = 0
         with h5py.File(partial, "w", libver=(LIBRARY_VERSION, "latest")) as file:
             write_layout(file, self.study, self.version)
-            for number in range(self.study.shard_count):
+            for number in range(len(self.study.shards)):
                 tiles = self.study.shard(number)
                 with h5py.File(shard_path(self.folder, number), "r") as shard:
                     for packed in read_chunks(shard, self.study, tiles):
@@ -133,7 +133,7 @@ class Workplace:
                         written = _checksum(packed[1], written)
         read_back = 0
         with h5py.File(partial, "r") as file:
-            for number in range(self.study.shard_count):
+            for number in range(len(self.study.shards)):
                 for packed in read_chunks(file, self.study, self.study.shard(number)):
                     read_back = _checksum(packed[1], read_back)
         if read_back != written:
@@ -142,6 +142,21 @@ class Workplace:
         partial.replace(self.target)
         sync_folder(self.target.parent)
         shutil.rmtree(self.folder)
+
+
+def beginnings(target: Path) -> tuple[Study, int] | None:
+    """Return the study of an unfinished atlas and how many of its shards are there; else None."""
+    folder = parts_of(target)
+    try:
+        study = Study.from_canonical((folder / STUDY_FILE).read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, InputError):
+        return None
+    return study, sum(shard_path(folder, n).is_file() for n in range(len(study.shards)))
+
+
+def parts_of(target: Path) -> Path:
+    """Return the folder in which an atlas is made."""
+    return target.with_name(f"{target.name}.parts")
 
 
 @contextlib.contextmanager
@@ -169,7 +184,9 @@ def _require_room(folder: Path, size: int) -> None:
     free = shutil.disk_usage(folder).free
     if free < size:
         raise OSError(
-            28, f"no space left on device: finishing needs {size} bytes, {free} are free", str(folder)
+            28,
+            f"no space left on device: finishing needs {size} bytes, {free} are free",
+            str(folder),
         )
 
 

@@ -1,0 +1,234 @@
+"""Which figures an atlas gets: chosen from its axes and quantities, one file each.
+
+Reads planes of the atlas and computes limits of standing; the drawing itself is in ``figures``.
+"""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from standfast import figures
+from standfast.quantities import PARAMETERS, QUANTITIES, InputError
+from standfast.store import Atlas
+from standfast.study import Study
+from standfast.thresholds import ANKLE, HIP, KNEE, PLANE, Contour, contours, has_plane
+
+FORMATS = ("png", "svg", "pdf")
+
+# More small multiples than these are thinned out evenly: a page holds no more that can be read.
+MOST_PANELS = 9
+MOST_CURVES = 6
+# More points a side than a figure has dots are skipped.
+MOST_POINTS = 800
+
+PAGE = 7.0  # width of a page of a journal, inches
+
+
+def plot(
+    atlas: Atlas, folder: Path, *, quantities: Sequence[str] = (), formats: Sequence[str] = ("png",)
+) -> list[Path]:
+    """Draw an atlas into ``folder``; return the files.
+
+    With ankle and hip as axes: the limits of standing (one curve a knee, small multiples over body
+    size), a map of each quantity on that plane with the limit of standing, and for
+    ``hip_ankle_ratio`` the regions of ankle and hip strategy. Otherwise each quantity along its
+    first axes.
+
+    Raises
+    ------
+    InputError
+        if a quantity is not in the atlas, or nothing in it can be drawn.
+    """
+    for name in quantities:
+        atlas[name]
+    wanted = tuple(quantities) or atlas.quantities
+    stem = folder / atlas.path.name.removesuffix(".h5")
+    written: list[Path] = []
+    if has_plane(atlas.study) and not quantities:
+        written += limits_of_standing(atlas.study, stem.with_name(f"{stem.name}-limits"), formats)
+    for name in wanted:
+        variable = atlas[name]
+        path = stem.with_name(f"{stem.name}-{name}")
+        if set(PLANE) <= set(variable.dims):
+            if name == "stable":
+                continue
+            written += _plane_figure(atlas, name, path, formats)
+        elif variable.dims and variable.dims != ("body_model",):
+            written += _curve_figure(atlas, name, path, formats)
+    if not written:
+        raise InputError(f"{atlas.path} has no axis to draw {' or '.join(wanted)} along")
+    return written
+
+
+def limits_of_standing(study: Study, stem: Path, formats: Sequence[str]) -> list[Path]:
+    """Draw the limits of standing in closed form: ankle × hip, one curve a knee stiffness."""
+    panels: dict[str, dict[str, tuple[np.ndarray, np.ndarray]]] = {}
+    others = [name for name in study.axes if name not in (*PLANE, KNEE)]
+    chosen = _thinned(study, others, MOST_PANELS)
+    knees = _thinned(study, [KNEE] if KNEE in study.axes else [], MOST_CURVES)
+    for contour in contours(study):
+        index = contour.place.index
+        if any(index[name] not in kept for name, kept in {**chosen, **knees}.items()):
+            continue
+        panel = panels.setdefault(_title(contour, others), {})
+        panel[_knee_name(contour.place.knee, first=not panel)] = (contour.ankle, contour.hip)
+    limits = {name: _limits(study.axes[name]) for name in PLANE}
+    rows, columns = _layout(len(panels))
+    size = {"width": figures.COLUMN, "height": 3.0} if len(panels) == 1 else _page(rows)
+    with figures.paper_figure(panels=(rows, columns), shared=True, **size) as (figure, axes):
+        for ax in axes[len(panels) :]:
+            ax.set_axis_off()
+        for ax, (title, curves) in zip(axes, panels.items(), strict=False):
+            figures.stability_contours(
+                ax, curves, ankle_limits=limits[ANKLE], hip_limits=limits[HIP]
+            )
+            ax.set_title(title)
+            ax.label_outer()
+        return figures.save(figure, stem, formats)
+
+
+def _plane_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -> list[Path]:
+    """Draw a quantity on planes of ankle × hip, small multiples over the other axes."""
+    study, variable = atlas.study, atlas[name]
+    others = [axis for axis in variable.dims if axis not in PLANE]
+    chosen = _thinned(study, others, MOST_PANELS)
+    step = {axis: max(1, len(study.axes[axis]) // MOST_POINTS) for axis in PLANE}
+    ankles, hips = (study.axes[axis][:: step[axis]] for axis in PLANE)
+    shown = np.ix_(np.isfinite(hips), np.isfinite(ankles))
+    planes = []
+    for contour in contours(study):
+        index = contour.place.index
+        if any(index[axis] not in chosen.get(axis, {0}) for axis in index):
+            continue
+        piece = variable[
+            tuple(
+                slice(None, None, step[axis]) if axis in PLANE else index[axis]
+                for axis in variable.dims
+            )
+        ]
+        over_hip = piece.T if variable.dims.index(ANKLE) < variable.dims.index(HIP) else piece
+        planes.append((_title(contour, others), contour, over_hip[shown]))
+    ankles, hips = ankles[np.isfinite(ankles)], hips[np.isfinite(hips)]
+    rows, columns = _layout(len(planes))
+    size = {"width": figures.COLUMN, "height": 2.9} if len(planes) == 1 else _page(rows)
+    limits = _colour_limits([values for _, _, values in planes])
+    with figures.paper_figure(panels=(rows, columns), shared=True, **size) as (figure, axes):
+        mesh = None
+        for ax in axes[len(planes) :]:
+            ax.set_axis_off()
+        for ax, (title, contour, values) in zip(axes, planes, strict=False):
+            if name == "hip_ankle_ratio":
+                stable = _above(contour, ankles, hips)
+                figures.strategy_regions(ax, ankles, hips, values, stable)
+            else:
+                # a critical knee stiffness holds for all knees, a limit of standing for one
+                crossed = KNEE in variable.dims or KNEE not in study.axes
+                neutral = [np.column_stack([contour.ankle, contour.hip])] if crossed else []
+                mesh = figures.quantity_map(
+                    ax, ankles, hips, values, limits=limits, neutral=neutral
+                )
+                ax.set_xlabel(PARAMETERS[ANKLE].label)
+                ax.set_ylabel(PARAMETERS[HIP].label)
+            ax.set_title(title)
+            ax.label_outer()
+        if mesh is not None:
+            bar = figure.colorbar(mesh, ax=axes, shrink=0.8, extend="both")
+            bar.set_label(QUANTITIES[name].label)
+        return figures.save(figure, stem, formats)
+
+
+def _curve_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -> list[Path]:
+    """Draw a quantity along its longest numeric axis, a few curves over the second."""
+    study, variable = atlas.study, atlas[name]
+    numeric = [axis for axis in variable.dims if axis != "body_model"]
+    along = max(numeric, key=lambda axis: len(study.axes[axis]))
+    others = [axis for axis in variable.dims if axis != along]
+    second = max(others, key=lambda axis: len(study.axes[axis]), default=None)
+    kept = _thinned(study, [second] if second else [], MOST_CURVES)
+    middle = {axis: len(study.axes[axis]) // 2 for axis in others}
+    values = study.axes[along]
+    finite = np.isfinite(values)
+    curves: dict[str, np.ndarray] = {}
+    for at in kept[second] if second else [0]:
+        index = tuple(
+            slice(None) if axis == along else at if axis == second else middle[axis]
+            for axis in variable.dims
+        )
+        words = _words(second, study.axes[second][at]) if second else QUANTITIES[name].label
+        curve = variable[index][finite].astype(float)
+        curves[words] = np.where(np.isfinite(curve), curve, np.nan)
+    with figures.paper_figure() as (figure, (ax,)):
+        figures.quantity_curves(
+            ax, values[finite], curves, label=QUANTITIES[name].label, axis=along
+        )
+        rest = [axis for axis in others if axis != second]
+        ax.set_title(", ".join(_words(axis, study.axes[axis][middle[axis]]) for axis in rest))
+        return figures.save(figure, stem, formats)
+
+
+def _above(contour: Contour, ankles: np.ndarray, hips: np.ndarray) -> np.ndarray:
+    """Return where on a grid (hip, ankle) the person stands, from the curve in closed form."""
+    if contour.ankle.size == 0:
+        return np.zeros((hips.size, ankles.size), bool)
+    needed = np.interp(ankles, contour.ankle, contour.hip, left=np.inf)
+    above: np.ndarray = hips[:, None] > needed[None, :]
+    return above
+
+
+def _thinned(study: Study, axes: Sequence[str], most: int) -> dict[str, set[int]]:
+    """Choose evenly which places of each axis to show, so that their number is at most ``most``."""
+    counts = {axis: len(study.axes[axis]) for axis in axes}
+    while math.prod(counts.values()) > most:
+        longest = max(counts, key=lambda axis: counts[axis])
+        counts[longest] -= 1
+    return {
+        axis: {round(i) for i in np.linspace(0, len(study.axes[axis]) - 1, count)}
+        for axis, count in counts.items()
+    }
+
+
+def _title(contour: Contour, axes: Sequence[str]) -> str:
+    return ", ".join(_words(axis, contour.place.values[axis]) for axis in axes)
+
+
+def _words(axis: str, value: Any) -> str:
+    if axis == "body_model":
+        return str(value)
+    row = PARAMETERS[axis]
+    name = f"${row.symbol}$" if row.symbol else axis.upper()
+    if np.isinf(value):
+        return f"{name} rigid"
+    unit = "" if axis.endswith("stiffness") else f" {row.unit}"
+    return f"{name} = {value:.4g}{unit}"
+
+
+def _knee_name(knee: float, *, first: bool) -> str:
+    if math.isinf(knee):
+        return "$K_k$ rigid"
+    return f"$K_k$ = {knee:.4g}" if first else f"{knee:.4g}"
+
+
+def _limits(values: np.ndarray) -> tuple[float, float]:
+    finite = values[np.isfinite(values)]
+    return float(finite[0]), float(finite[-1])
+
+
+def _colour_limits(planes: Sequence[np.ndarray]) -> tuple[float, float]:
+    """Return the range of colours: all but the outermost hundredth on each side."""
+    values = np.concatenate([plane[np.isfinite(plane)].ravel() for plane in planes])
+    if values.size == 0:
+        return 0.0, 1.0
+    low, high = np.quantile(values, [0.01, 0.99])
+    return (float(low), float(high)) if low < high else (float(low) - 0.5, float(high) + 0.5)
+
+
+def _layout(panels: int) -> tuple[int, int]:
+    columns = min(3, panels)
+    return -(-panels // max(columns, 1)), max(columns, 1)
+
+
+def _page(rows: int) -> dict[str, float]:
+    return {"width": PAGE, "height": 0.6 + 2.1 * rows}

@@ -6,13 +6,12 @@ import jax
 import numpy as np
 import pytest
 import scipy.linalg
-from studies import UNEQUAL, changed
 
 import standfast as sf
-from standfast.body import REFERENCE_PEOPLE
 from standfast.engine import evaluator
 from standfast.quantities import QUANTITIES
 from standfast.stability import load_rounding
+from studies import UNEQUAL, changed
 
 # The grid and the plain functions round differently (XLA contracts a·b + c, and the body is scaled
 # again), by some ulp of the terms that cancel; so margins agree relative to those terms.

@@ -18,13 +18,19 @@ MAY_IMPORT = {
     "eigen": {"arithmetic"},
     "stability": {"quantities", "arithmetic", "body", "dynamics", "eigen"},
     "modes": {"quantities", "arithmetic", "body", "dynamics", "eigen", "stability"},
+    "study": {"quantities", "body"},
+    "engine": {"arithmetic", "body", "stability", "modes", "study"},
+    "store": {"quantities", "study"},
+    "sweep": {"quantities", "study", "engine", "store"},
+    "thresholds": {"quantities", "body", "stability", "study", "store"},
     "figures": {"quantities"},
+    "plots": {"quantities", "study", "store", "thresholds", "figures"},
     "edwards2007": {"body", "dynamics", "stability", "modes", "figures"},
 }
 EVERYTHING = {"__init__", "__main__", "cli"}
 # Only these may print; only these may use JAX by name.
 MAY_PRINT = {"cli"}
-MAY_TRACE: set[str] = set()
+MAY_TRACE = {"engine"}
 
 
 def modules():

@@ -19,13 +19,13 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray
-from studies import GOOD, UNEQUAL, changed, several_shards
 
 import standfast as sf
 from standfast.engine import evaluator
 from standfast.quantities import PARAMETERS, QUANTITIES
 from standfast.store.shards import is_valid, shard_path
 from standfast.store.workplace import parts_of
+from studies import GOOD, UNEQUAL, changed, several_shards
 
 VERSION = sf.__version__
 KILLS = 6
@@ -373,12 +373,12 @@ def test_h5dump_reads_it(whole):
     if program is None:
         pytest.skip("h5dump is not installed")
     result = subprocess.run(
-        [program, "-d", "/critical_hip_stiffness", "-s", "0,0,100", "-c", "1,1,1", str(whole[0])],
+        [program, "-d", "/critical_hip_stiffness", "-s", "0,100,0", "-c", "1,1,1", str(whole[0])],
         capture_output=True, text=True, check=True,
     )  # fmt: skip
     with h5py.File(whole[0], "r") as file:
-        value = float(file["critical_hip_stiffness"][0, 0, 100])
-    shown = result.stdout.split("(0,0,100):")[1].split()[0]
+        value = float(file["critical_hip_stiffness"][0, 100, 0])
+    shown = result.stdout.split("(0,100,0):")[1].split()[0]
     assert float(shown) == pytest.approx(value, rel=1e-5)
 
 
@@ -397,7 +397,7 @@ def test_pieces_are_those_h5py_reads(whole, index):
     np.testing.assert_array_equal(variable[index], everything[index])
 
 
-@pytest.mark.parametrize("index", [7, (0, -9), (0, 0, 0, 0, 0), "x", (..., ...), 2.5])
+@pytest.mark.parametrize("index", [7, (-9, 0), (0, 0, 0, 0, 0), "x", (..., ...), 2.5])
 def test_an_impossible_index_is_an_index_error(whole, index):
     with pytest.raises(IndexError):
         sf.open_atlas(whole[0])["stable"][index]
@@ -463,55 +463,58 @@ def test_a_truncated_or_altered_file_gets_a_sentence_or_is_read(small_atlas, tmp
     assert refused >= 40
 
 
+def _rewrite(file: h5py.File, old: str, new: str) -> None:
+    text = bytes(file.attrs["study"]).decode()
+    assert old in text
+    file.attrs["study"] = np.bytes_(text.replace(old, new).encode())
+
+
 def hostile(path: Path, how: str) -> None:
     with h5py.File(path, "r+") as file:
         shape = file["stable"].shape
-        if how == "missing":
+        if how in REPLACEMENTS:
             del file["stable"]
-        elif how == "external link":
-            del file["stable"]
-            file["stable"] = h5py.ExternalLink("/etc/passwd", "/x")
-        elif how == "soft link":
-            del file["stable"]
-            file["stable"] = h5py.SoftLink("/frequency")
-        elif how == "shape":
-            del file["stable"]
-            file["stable"] = np.zeros([n + 1 for n in shape], np.uint8)
-        elif how == "type":
-            del file["stable"]
-            file.create_dataset("stable", data=np.zeros(shape, "f4"), chunks=shape)
-        elif how == "holes":
-            del file["stable"]
-            file.create_dataset("stable", shape, np.uint8, chunks=shape, compression="gzip")
-        elif how == "filter":
-            del file["stable"]
-            file.create_dataset(
-                "stable", data=np.zeros(shape, np.uint8), chunks=shape, compression="lzf"
-            )
-        elif how == "virtual":
-            del file["stable"]
-            layout = h5py.VirtualLayout(shape, np.uint8)
-            layout[...] = h5py.VirtualSource("/etc/passwd", "x", shape)
-            file.create_virtual_dataset("stable", layout)
-        elif how == "study":
-            file.attrs["study"] = file.attrs["study"].replace("winter", "summer")
-        elif how == "fingerprint":
-            file.attrs["study"] = file.attrs["study"].replace("A small", "A large")
-        elif how == "version":
-            file.attrs["format_version"] = 99
-        elif how == "other format":
-            file.attrs["format"] = "something else"
-        elif how == "study is a number":
-            file.attrs["study"] = 5
+        REPLACEMENTS.get(how, ALTERATIONS.get(how))(file, shape)
 
 
-@pytest.mark.parametrize(
-    "how",
-    [
-        "missing", "external link", "soft link", "shape", "type", "holes", "filter", "virtual", "study",
-        "fingerprint", "version", "other format", "study is a number",
-    ],
-)  # fmt: skip
+def _virtual(file, shape):
+    layout = h5py.VirtualLayout(shape, np.uint8)
+    layout[...] = h5py.VirtualSource("/etc/passwd", "x", shape)
+    file.create_virtual_dataset("stable", layout)
+
+
+def _dataset(dtype="u1", grow=0, **storage):
+    def make(file, shape):
+        wider = tuple(n + grow for n in shape)
+        file.create_dataset("stable", data=np.zeros(wider, dtype), chunks=wider, **storage)
+
+    return make
+
+
+# What takes the place of the dataset "stable".
+REPLACEMENTS = {
+    "missing": lambda file, shape: None,
+    "external link": lambda file, shape: file.update(
+        {"stable": h5py.ExternalLink("/etc/passwd", "/x")}
+    ),
+    "soft link": lambda file, shape: file.update({"stable": h5py.SoftLink("/frequency")}),
+    "shape": _dataset(grow=1),
+    "type": _dataset("f4"),
+    "filter": _dataset(compression="lzf"),
+    "holes": lambda file, shape: file.create_dataset("stable", shape, "u1", chunks=shape),
+    "virtual": _virtual,
+}
+# What is done to the file's attributes.
+ALTERATIONS = {
+    "study": lambda file, shape: _rewrite(file, "winter", "summer"),
+    "fingerprint": lambda file, shape: _rewrite(file, "A small", "A large"),
+    "version": lambda file, shape: file.attrs.update({"format_version": 99}),
+    "other format": lambda file, shape: file.attrs.update({"format": "something else"}),
+    "study is a number": lambda file, shape: file.attrs.update({"study": 5}),
+}
+
+
+@pytest.mark.parametrize("how", [*REPLACEMENTS, *ALTERATIONS])
 def test_a_hostile_file_is_refused_with_a_sentence(small_atlas, tmp_path, how):
     path = tmp_path / "hostile.h5"
     shutil.copy(small_atlas, path)

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from studies import GOOD, UNEQUAL, changed, several_shards
 
 import standfast as sf
 from standfast.quantities import QUANTITIES
 from standfast.study import CHUNK_BYTES, axis_values, chunk_shape
+from studies import GOOD, UNEQUAL, changed, several_shards
 
 NAN, INF = math.nan, math.inf
 QUANTITY_NAMES = ", ".join(QUANTITIES)
@@ -232,7 +232,7 @@ def test_a_mass_that_no_one_has_follows_from_bmi_and_height():
 def test_a_grid_beyond_all_disks_is_refused():
     long = {"start": 0, "stop": 2000, "num": 1_000_000}
     content = changed("stiffness", {"ankle": long, "knee": long, "hip": long})
-    with pytest.raises(sf.InputError, match="1e\\+18 points .* at most 1e\\+13 are allowed"):
+    with pytest.raises(sf.InputError, match=r"1e\+18 points .* at most 1e\+13 are allowed"):
         sf.Study.from_dict(content)
 
 

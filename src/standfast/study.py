@@ -175,7 +175,9 @@ class Study:
         parameters.setdefault("gravity", STANDARD_GRAVITY)
         parameters.setdefault("body_model", "winter")
         _check_body(parameters)
-        return cls(title, parameters, _quantities(content.get("output", {})))._checked_size()
+        study = cls(title, parameters, _quantities(content.get("output", {})))
+        _check_size(study)
+        return study
 
     @classmethod
     def from_canonical(cls, text: str) -> "Study":
@@ -201,9 +203,11 @@ class Study:
                 raise unreadable
             parameters[name] = _value(name, name, _finite_words(given))
         _check_body(parameters)
-        return cls(
+        study = cls(
             str(content["title"]), parameters, _quantities({"quantities": content["quantities"]})
-        )._checked_size()
+        )
+        _check_size(study)
+        return study
 
     @cached_property
     def canonical(self) -> str:
@@ -291,16 +295,6 @@ class Study:
             number, index = divmod(number, count)
             place.insert(0, index)
         return Tile(group, tuple(place))
-
-    def _checked_size(self) -> "Study":
-        for name in self.quantities:
-            counts = [len(self.axes[axis]) for axis in self.axes_of(name)]
-            if math.prod(counts) > LARGEST_GRID:
-                raise InputError(
-                    f"the grid of {name} has {math.prod(counts):.3g} points "
-                    f"({' × '.join(map(str, counts))}); at most {LARGEST_GRID:.0e} are allowed"
-                )
-        return self
 
     def difference(self, other: "Study") -> str:
         """Return in words what differs from another study, key by key; empty if nothing does."""
@@ -481,6 +475,16 @@ def _check_body(parameters: Mapping[str, Value]) -> None:
                     f"body.bmi = {bmi:g} at a height of {height:g} m is a mass of {mass:g} kg, "
                     f"outside the allowed range, {row.allowed}"
                 )
+
+
+def _check_size(study: Study) -> None:
+    for name in study.quantities:
+        counts = [len(study.axes[axis]) for axis in study.axes_of(name)]
+        if math.prod(counts) > LARGEST_GRID:
+            raise InputError(
+                f"the grid of {name} has {math.prod(counts):.3g} points "
+                f"({' × '.join(map(str, counts))}); at most {LARGEST_GRID:.0e} are allowed"
+            )
 
 
 def _ends(value: Value) -> tuple[float, ...]:

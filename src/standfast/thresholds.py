@@ -30,8 +30,9 @@ from standfast.study import Study
 ANKLE, KNEE, HIP = "ankle_stiffness", "knee_stiffness", "hip_stiffness"
 PLANE = (ANKLE, HIP)
 
-# Quantities that change their sign exactly at the limit of standing, the best first.
-SIGNED = ("stiffness_reserve", "eigenvalue_1", "frequency", "stability_determinant")
+# Quantities that change sign exactly at the limit of standing, the best first. The determinant
+# is not one: it is positive again where two modes fall.
+SIGNED = ("stiffness_reserve", "eigenvalue_1", "frequency")
 
 
 @dataclass(frozen=True, slots=True)

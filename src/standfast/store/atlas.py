@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 
 from standfast.quantities import QUANTITIES, InputError, Quantity, nearest_name
-from standfast.store.layout import FORMAT, FORMAT_VERSION, inflated
+from standfast.store.layout import FORMAT, FORMAT_VERSION, inflated, said
 from standfast.study import Group, Study
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -105,7 +105,7 @@ class Variable:
             if not self.group.axes or box is None:
                 return _read_as_h5py_does(dataset, index)
             values = _read_box(dataset, self.group, self.dtype, box)
-        piece: np.ndarray = values[_within(index, self.shape)]
+        piece: np.ndarray = values[_within(index, len(self.shape))]
         return piece
 
     def slabs(self, *, along: tuple[str, ...]) -> Iterator[tuple[dict[str, int], np.ndarray]]:
@@ -160,27 +160,26 @@ def open_atlas(path: str | Path) -> Atlas:
     if signature != HDF5_SIGNATURE:
         raise InputError(f"{path} is not an HDF5 file")
     with _opened(path) as file:
-        kind = file.attrs.get("format")
-        if kind != FORMAT:
+        if said(file, "format") != FORMAT:
             raise InputError(f"{path} is HDF5, but not an atlas of standfast")
         number = file.attrs.get("format_version")
         if number != FORMAT_VERSION:
             raise InputError(
                 f"{path} has format version {number}; this standfast reads {FORMAT_VERSION}"
             )
-        text = file.attrs.get("study")
-        if not isinstance(text, str):
+        text = said(file, "study")
+        if text is None:
             raise InputError(f"{path}: the study inside the file cannot be read")
         try:
             study = Study.from_canonical(text)
         except InputError as error:
             raise InputError(f"{path}: {error}") from None
-        if file.attrs.get("study_sha256") != study.fingerprint:
+        if said(file, "study_sha256") != study.fingerprint:
             raise InputError(f"{path}: the study inside does not match its fingerprint")
         for group in study.groups:
             for quantity in group.quantities:
                 _check_dataset(path, file, group, quantity)
-        return Atlas(path, study, str(file.attrs.get("standfast_version")))
+        return Atlas(path, study, said(file, "standfast_version") or "unknown")
 
 
 @contextmanager
@@ -235,9 +234,8 @@ def _box(index: Any, shape: tuple[int, ...]) -> tuple[slice, ...] | None:
     for item, length in zip(items, shape, strict=True):
         if isinstance(item, slice):
             steps = range(*item.indices(length))
-            if len(steps) == 0 or steps.step < 0:
-                return None
-            box.append(slice(steps[0], steps[-1] + 1))
+            ends = (min(steps, default=0), max(steps, default=-1))
+            box.append(slice(ends[0], ends[1] + 1))
         else:
             at = item + length if item < 0 else item
             if not 0 <= at < length:
@@ -246,11 +244,11 @@ def _box(index: Any, shape: tuple[int, ...]) -> tuple[slice, ...] | None:
     return tuple(box)
 
 
-def _within(index: Any, shape: tuple[int, ...]) -> tuple[Any, ...]:
+def _within(index: Any, count: int) -> tuple[Any, ...]:
     """Return the index that picks, inside its box, what the whole index asked for."""
     return tuple(
-        slice(None, None, item.indices(length)[2]) if isinstance(item, slice) else 0
-        for item, length in zip(_items(index, len(shape)) or (), shape, strict=True)
+        slice(None, None, item.step) if isinstance(item, slice) else 0
+        for item in _items(index, count) or ()
     )
 
 

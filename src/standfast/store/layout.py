@@ -27,13 +27,13 @@ DEFLATE_LEVEL = 1
 
 def write_layout(file: h5py.File, study: Study, version: str) -> None:
     """Create all datasets, without their chunks, and all attributes of a study's atlas."""
-    file.attrs["Conventions"] = "CF-1.11"
-    file.attrs["title"] = study.title
-    file.attrs["format"] = FORMAT
+    _say(file, "Conventions", "CF-1.11")
+    _say(file, "title", study.title)
+    _say(file, "format", FORMAT)
     file.attrs["format_version"] = np.int32(FORMAT_VERSION)
-    file.attrs["standfast_version"] = version
-    file.attrs["study"] = study.canonical
-    file.attrs["study_sha256"] = study.fingerprint
+    _say(file, "standfast_version", version)
+    _say(file, "study", study.canonical)
+    _say(file, "study_sha256", study.fingerprint)
     for name, values in study.axes.items():
         scale = _parameter(file, name, values)
         scale.make_scale(name)
@@ -42,6 +42,25 @@ def write_layout(file: h5py.File, study: Study, version: str) -> None:
     for group in study.groups:
         for quantity in group.quantities:
             _quantity(file, study, group, quantity)
+
+
+def _say(place: h5py.HLObject, name: str, text: str) -> None:
+    """Write a text attribute of fixed length: it lies in the object's header, under its checksum.
+
+    Text of variable length lies in a heap without one, whose damage can hang HDF5.
+    """
+    encoded = text.encode()
+    place.attrs.create(name, encoded, dtype=h5py.string_dtype("utf-8", max(len(encoded), 1)))
+
+
+def said(place: h5py.HLObject, name: str) -> str | None:
+    """Return a text attribute of :func:`_say`, None if it is absent or of any other kind."""
+    if name not in place.attrs or place.attrs.get_id(name).dtype.kind != "S":
+        return None
+    try:
+        return bytes(place.attrs[name]).decode()
+    except UnicodeDecodeError:
+        return None
 
 
 def compressed(values: np.ndarray) -> bytes:
@@ -81,12 +100,12 @@ def _deflated(values: np.ndarray) -> bytes:
 def _parameter(file: h5py.File, name: str, values: np.ndarray) -> h5py.Dataset:
     if name == "body_model":
         dataset = file.create_dataset(name, data=values.astype(object), dtype=h5py.string_dtype())
-        dataset.attrs["long_name"] = "table of segment parameters"
+        _say(dataset, "long_name", "table of segment parameters")
         return dataset
     row = PARAMETERS[name]
     dataset = file.create_dataset(name, data=values.astype(np.float64))
-    dataset.attrs["units"] = row.unit
-    dataset.attrs["long_name"] = row.meaning
+    _say(dataset, "units", row.unit)
+    _say(dataset, "long_name", row.meaning)
     return dataset
 
 
@@ -101,12 +120,12 @@ def _quantity(file: h5py.File, study: Study, group: Group, quantity: str) -> Non
             "shuffle": np.dtype(row.dtype).itemsize > 1,
         }
     dataset = file.create_dataset(quantity, group.shape, row.dtype, **storage)
-    dataset.attrs["units"] = row.unit
-    dataset.attrs["long_name"] = row.meaning
+    _say(dataset, "units", row.unit)
+    _say(dataset, "long_name", row.meaning)
     if study.fixed:
-        dataset.attrs["coordinates"] = " ".join(study.fixed)
+        _say(dataset, "coordinates", " ".join(study.fixed))
     if quantity == "stable":
         dataset.attrs["flag_values"] = np.array([0, 1], np.uint8)
-        dataset.attrs["flag_meanings"] = "unstable stable"
+        _say(dataset, "flag_meanings", "unstable stable")
     for number, axis in enumerate(group.axes):
         dataset.dims[number].attach_scale(file[axis])

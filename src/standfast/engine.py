@@ -127,8 +127,8 @@ def _verdicts(
 
     def verdicts(pieces: dict[str, Any]) -> tuple[np.ndarray, ...]:
         ankle = pieces[ANKLE] if ANKLE in pieces else fixed[ANKLE]
-        threshold = thresholds({name: pieces[name] for name in others})
-        lowest, highest = np.min(threshold), np.max(threshold)
+        threshold = np.asarray(thresholds({name: pieces[name] for name in others}))
+        lowest, highest = threshold.min(), threshold.max()
         if np.max(ankle) <= lowest or np.min(ankle) > highest:
             one = np.uint8(np.min(ankle) > highest)
             return (np.broadcast_to(one, group.chunk_shape),)

@@ -8,7 +8,7 @@ import contextlib
 import fcntl
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
@@ -19,6 +19,7 @@ from isal import isal_zlib
 from standfast.quantities import InputError
 from standfast.store.layout import LIBRARY_VERSION, write_layout
 from standfast.store.shards import (
+    Packed,
     is_valid,
     read_chunks,
     shard_path,
@@ -26,7 +27,7 @@ from standfast.store.shards import (
     write_chunks,
     write_shard,
 )
-from standfast.study import Study, Tile
+from standfast.study import Study
 
 STUDY_FILE = "study.json"
 LOCK_FILE = "lock"
@@ -104,9 +105,15 @@ class Workplace:
             if not is_valid(self.folder, self.study, self.version, number)
         ]
 
-    def write(self, number: int, packed: list[tuple[Tile, tuple[bytes, ...]]]) -> None:
+    def write(self, number: int, packed: list[Packed]) -> None:
         """Write one shard."""
         write_shard(self.folder, self.study, self.version, number, packed)
+
+    def _all_chunks(self) -> Iterator[Packed]:
+        """Go through the chunks of all shards in canonical order."""
+        for number in range(len(self.study.shards)):
+            with h5py.File(shard_path(self.folder, number), "r") as shard:
+                yield from read_chunks(shard, self.study, self.study.shard(number))
 
     def finish(self) -> None:
         """Copy all chunks in canonical order into one file, verify, sync, rename, tidy up.
@@ -122,21 +129,16 @@ class Workplace:
             for number in range(len(self.study.shards))
         )
         _require_room(self.folder, size)
-        written = 0
         with h5py.File(partial, "w", libver=(LIBRARY_VERSION, "latest")) as file:
             write_layout(file, self.study, self.version)
-            for number in range(len(self.study.shards)):
-                tiles = self.study.shard(number)
-                with h5py.File(shard_path(self.folder, number), "r") as shard:
-                    for packed in read_chunks(shard, self.study, tiles):
-                        write_chunks(file, self.study, [packed])
-                        written = _checksum(packed[1], written)
-        read_back = 0
+            written = _Checksum()
+            write_chunks(file, self.study, written.of(self._all_chunks()))
+        read_back = _Checksum()
         with h5py.File(partial, "r") as file:
-            for number in range(len(self.study.shards)):
-                for packed in read_chunks(file, self.study, self.study.shard(number)):
-                    read_back = _checksum(packed[1], read_back)
-        if read_back != written:
+            tiles = (t for n in range(len(self.study.shards)) for t in self.study.shard(n))
+            for _ in read_back.of(read_chunks(file, self.study, tiles)):
+                pass
+        if read_back.value != written.value:
             raise OSError(f"{partial} does not read back as it was written; is the disk sound?")
         _sync_file(partial)
         partial.replace(self.target)
@@ -157,6 +159,20 @@ def beginnings(target: Path) -> tuple[Study, int] | None:
 def parts_of(target: Path) -> Path:
     """Return the folder in which an atlas is made."""
     return target.with_name(f"{target.name}.parts")
+
+
+class _Checksum:
+    """The CRC-32 of all chunks that went by."""
+
+    def __init__(self) -> None:
+        self.value = 0
+
+    def of(self, packed: Iterable[Packed]) -> Iterator[Packed]:
+        """Hand chunks on and add them up."""
+        for tile, chunks in packed:
+            for chunk in chunks:
+                self.value = isal_zlib.crc32(chunk, self.value)
+            yield tile, chunks
 
 
 @contextlib.contextmanager
@@ -188,12 +204,6 @@ def _require_room(folder: Path, size: int) -> None:
             f"no space left on device: finishing needs {size} bytes, {free} are free",
             str(folder),
         )
-
-
-def _checksum(chunks: tuple[bytes, ...], value: int) -> int:
-    for chunk in chunks:
-        value = isal_zlib.crc32(chunk, value)
-    return value
 
 
 def _sync_file(path: Path) -> None:

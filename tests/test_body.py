@@ -57,8 +57,8 @@ def test_masses_scale_with_mass_lengths_with_height_inertias_with_both(model):
     )
 
 
-def test_a_body_is_frozen():
-    body = sf.Body.edwards2007()
+@pytest.mark.parametrize("body", [sf.Body.edwards2007(), sf.Body.from_height_mass(1.8, 80.0)])
+def test_a_body_is_frozen(body):
     with pytest.raises(AttributeError):
         body.segment_mass = 1.0
     with pytest.raises(ValueError, match="read-only"):
@@ -69,3 +69,8 @@ def test_every_model_names_its_source():
     assert set(tables.REFERENCE_PEOPLE) == set(sf.BODY_MODELS)
     for person in tables.REFERENCE_PEOPLE.values():
         assert person.source
+
+
+def test_bodies_compare_by_value():
+    assert sf.Body.from_height_mass(1.8, 80.0) == sf.Body.from_height_mass(1.8, 80.0)
+    assert sf.Body.from_height_mass(1.8, 80.0) != sf.Body.from_height_mass(1.8, 81.0)

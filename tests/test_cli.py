@@ -96,6 +96,19 @@ def test_reproduce_writes_figures_and_tables_and_nothing_else(tmp_path, capsys):
         assert ET.parse(path).getroot().tag.endswith("svg")  # noqa: S314 - our own file
 
 
+def test_a_console_without_greek_and_a_users_own_style_do_not_matter(tmp_path):
+    (tmp_path / "matplotlibrc").write_text("text.usetex: True\nfont.family: serif\n")
+    result = subprocess.run(
+        [sys.executable, "-m", "standfast", "reproduce", "-o", "there"],
+        cwd=tmp_path, capture_output=True, check=False,
+        env={**os.environ, "PYTHONIOENCODING": "cp1252", "MPLBACKEND": "tkagg"},
+    )  # fmt: skip
+    assert result.returncode == 0, result.stderr
+    assert main(["reproduce", "-o", str(tmp_path / "here")]) == 0
+    for path in (tmp_path / "here").iterdir():
+        assert path.read_bytes() == (tmp_path / "there" / path.name).read_bytes()
+
+
 def test_reproduce_twice_gives_the_same_bytes(tmp_path):
     for name in ("one", "two"):
         main(["reproduce", "-o", str(tmp_path / name)])

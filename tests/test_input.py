@@ -1,5 +1,7 @@
 """What a person gets who gives a wrong value: one sentence with name, value and allowed range."""
 
+from decimal import Decimal
+
 import numpy as np
 import pytest
 
@@ -39,7 +41,7 @@ WRONG = [
     ),
     (
         lambda: sf.Body.from_height_mass(1.75, None),
-        "mass = None is of type NoneType; give a number, 2 to 700 kg",
+        "mass is None; give one number, 2 to 700 kg, or map over many with jax.vmap",
     ),
     (
         lambda: sf.Body.from_height_mass(True, 80),
@@ -56,20 +58,63 @@ WRONG = [
     (
         lambda: sf.Stiffness(-1.0, 2000, 738),
         "ankle_stiffness = -1 is outside the allowed range, "
-        "0 or more N·m/rad, inf for a rigid joint",
+        "0 to 1e+12 N·m/rad, or inf for a rigid joint",
     ),
     (
         lambda: sf.Stiffness(950, NAN, 738),
-        "knee_stiffness is NaN (not a number); give 0 or more N·m/rad, inf for a rigid joint",
+        "knee_stiffness is NaN (not a number); give 0 to 1e+12 N·m/rad, or inf for a rigid joint",
     ),
     (
         lambda: sf.Stiffness(950, 2000, "rigid"),
-        "hip_stiffness = 'rigid' is text; give a number, 0 or more N·m/rad, inf for a rigid joint",
+        "hip_stiffness = 'rigid' is text; give a number, "
+        "0 to 1e+12 N·m/rad, or inf for a rigid joint",
     ),
     (
-        lambda: sf.Stiffness(np.arange(3.0), 2000, 738),
+        lambda: sf.is_stable(NOMINAL, sf.Stiffness(np.arange(3.0), 2000, 738)),
         "ankle_stiffness is an array of shape (3,); give one number, "
-        "0 or more N·m/rad, inf for a rigid joint",
+        "0 to 1e+12 N·m/rad, or inf for a rigid joint, or map over many with jax.vmap",
+    ),
+    (
+        lambda: sf.modes(NOMINAL, sf.Stiffness(None, 2000, 738)),
+        "ankle_stiffness is None; give one number, "
+        "0 to 1e+12 N·m/rad, or inf for a rigid joint, or map over many with jax.vmap",
+    ),
+    (
+        lambda: STIFF._replace(hip=-1.0),
+        "hip_stiffness = -1 is outside the allowed range, "
+        "0 to 1e+12 N·m/rad, or inf for a rigid joint",
+    ),
+    (
+        lambda: sf.Stiffness({}, 1, 1),
+        "ankle_stiffness = {} is of type dict; give a number, "
+        "0 to 1e+12 N·m/rad, or inf for a rigid joint",
+    ),
+    (
+        lambda: sf.Stiffness(Decimal(3), 1, 1),
+        "ankle_stiffness = Decimal('3') is of type Decimal; give a number, "
+        "0 to 1e+12 N·m/rad, or inf for a rigid joint",
+    ),
+    (
+        lambda: sf.is_stable(NOMINAL, (950, 2000, 738)),
+        "stiffness = (950, 2000, 738) is not a Stiffness; write Stiffness(ankle=…, knee=…, hip=…)",
+    ),
+    (
+        lambda: sf.safety_factor("edwards2007", STIFF),
+        "body = 'edwards2007' is not a Body; make one with Body.from_height_mass or "
+        "Body.edwards2007",
+    ),
+    (
+        lambda: sf.critical_stiffness(NOMINAL, STIFF, gravity=[9.8, 1.6]),
+        "gravity is an array of shape (2,); give one number, 0.001 to 1000 m/s², "
+        "or map over many with jax.vmap",
+    ),
+    (
+        lambda: sf.Body.from_height_mass(1.75, 80, np.array(["winter", "winter"])),
+        f"body_model = array(['winter', 'winter'], dtype='<U6') is not known {MODELS}",
+    ),
+    (
+        lambda: sf.Body({6, 15, 50}, [0.1, 0.3, 3.0], [0.4, 0.4], [0.2, 0.2, 0.4]),
+        "segment_mass = {50, 6, 15} is not 3 numbers; give shank, thigh, upper body in kg",
     ),
     (
         lambda: sf.is_stable(NOMINAL, STIFF, gravity=-9.8),
@@ -82,7 +127,7 @@ WRONG = [
     (
         lambda: sf.equal_rotation(NOMINAL, -5.0),
         "knee_stiffness = -5 is outside the allowed range, "
-        "0 or more N·m/rad, inf for a rigid joint",
+        "0 to 1e+12 N·m/rad, or inf for a rigid joint",
     ),
     (
         lambda: NOMINAL.__class__([6.0, 15.0], [0.1, 0.3, 3.0], [0.4, 0.4], [0.2, 0.2, 0.4]),

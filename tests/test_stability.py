@@ -74,6 +74,10 @@ def test_carried_load_verdict_is_that_of_minors_and_of_lapack(part):
     np.testing.assert_array_equal(verdict[clear], lowest[clear] > 0.0)
     np.testing.assert_array_equal(verdict[clear], minors[clear])
     assert 0.2 < verdict.mean() < 0.8
+    # calls of one person, in NumPy, say the same
+    for number in range(0, CASES // PARTS, 500):
+        person = person_of(*(leaf[number] for leaf in leaves))
+        assert sf.is_stable(*person) == verdict[number]
     # the oracle can fail: one entry of C wrong by a hundredth
     c[:, 0, 1] *= 1.01
     c[:, 1, 0] *= 1.01
@@ -123,23 +127,56 @@ def exact_verdict(body, stiffness, gravity):
     return True
 
 
+def exact_threshold(body, stiffness, gravity, joint):
+    """The joint's threshold as a fraction: det C is linear in its stiffness."""
+
+    def determinant(k):
+        g = Fraction(gravity)
+        ms, mt, mb = map(Fraction, body.segment_mass)
+        hs, ht = map(Fraction, body.segment_length)
+        es, et, eb = map(Fraction, body.segment_com)
+        shank, thigh, upper = g * (ms * es + (mt + mb) * hs), g * (mt * et + mb * ht), g * mb * eb
+        sums = (shank + thigh + upper, thigh + upper, upper)
+        springs = {**stiffness._asdict(), joint: k}.values()
+        free = [n for n, spring in enumerate(springs) if math.isfinite(spring)]
+        springs = [Fraction(s) if math.isfinite(s) else None for s in springs]
+        c = [[(springs[i] if i == j else 0) - sums[max(i, j)] for j in free] for i in free]
+        if len(c) == 1:
+            return c[0][0]
+        if len(c) == 2:
+            return c[0][0] * c[1][1] - c[0][1] ** 2
+        (c11, c12, c13), (_, c22, c23), (_, _, c33) = c
+        return (
+            c11 * (c22 * c33 - c23**2)
+            - c12 * (c12 * c33 - c23 * c13)
+            + c13 * (c12 * c23 - c22 * c13)
+        )
+
+    at_zero = determinant(Fraction(0))
+    return -at_zero / (determinant(Fraction(1)) - at_zero)
+
+
 def exact_case(number: int):
-    """A third of the cases lie within 4 ulp of the threshold of one joint."""
+    """Body, stiffness, gravity, and the distance to a joint's threshold in ulp (None if random).
+
+    Every third case is put within 4 ulp of the exact threshold of one joint.
+    """
     rng = np.random.default_rng((7, number))
-    body, gravity = random_body(rng), random_gravity(rng)
-    stiffness = sf.Stiffness(*10.0 ** rng.uniform(2.3, 4.0, 3))
-    if number % 2:
-        stiffness = stiffness._replace(**{rng.choice(["ankle", "knee", "hip"]): math.inf})
-    near = number % 3 == 0
-    if near:
+    while True:
+        body, gravity = random_body(rng), random_gravity(rng)
+        stiffness = sf.Stiffness(*10.0 ** rng.uniform(2.3, 4.0, 3))
+        if number % 2:
+            stiffness = stiffness._replace(**{rng.choice(["ankle", "knee", "hip"]): math.inf})
+        if number % 3:
+            return body, stiffness, gravity, None
         joint = rng.choice([name for name, k in stiffness._asdict().items() if math.isfinite(k)])
-        threshold = getattr(sf.critical_stiffness(body, stiffness, gravity), joint)
-        if math.isinf(threshold):
-            # nothing helps at this joint: the joint above it is what fails, or the load at rest
-            joint, threshold = "hip", stability.gravity_loads(body, gravity)[2]
-        at = threshold + rng.integers(-ULPS, ULPS + 1) * np.spacing(threshold)
-        stiffness = stiffness._replace(**{joint: float(at)})
-    return body, stiffness, gravity, near
+        if math.isinf(getattr(sf.critical_stiffness(body, stiffness, gravity), joint)):
+            continue
+        exact = exact_threshold(body, stiffness, gravity, joint)
+        nearest = float(exact)
+        at = nearest + rng.integers(1 - ULPS, ULPS) * np.spacing(nearest)
+        distance = abs(Fraction(at) - exact) / Fraction(np.spacing(nearest))
+        return body, stiffness._replace(**{joint: float(at)}), gravity, float(distance)
 
 
 @pytest.fixture(scope="module")
@@ -148,19 +185,25 @@ def exact_cases():
 
 
 def test_verdict_differs_from_exact_arithmetic_only_within_the_stated_bound(exact_cases):
-    wrong = uncertain = 0
-    for body, stiffness, gravity, near in exact_cases:
+    wrong = near = caught = 0
+    for number, (body, stiffness, gravity, ulps) in enumerate(exact_cases):
         exact = exact_verdict(body, stiffness, gravity)
         certain = sf.verdict_is_certain(body, stiffness, gravity)
+        if ulps is None:
+            # the bound is not an excuse: away from the threshold everything is certain
+            assert certain
+        else:
+            near += ulps <= ULPS
         if sf.is_stable(body, stiffness, gravity) != exact:
             wrong += 1
             assert not certain
-        uncertain += not certain
-        # the bound is not an excuse: away from the threshold everything is certain
-        assert certain or near
-    assert sum(near for *_, near in exact_cases) >= EXACT_CASES // 3
+        if number % 40 == 1:
+            # the oracle can fail: the upper body a tenth too heavy
+            heavier = body._replace(segment_mass=body.segment_mass * [1.0, 1.0, 1.1])
+            caught += exact_verdict(heavier, stiffness, gravity) != exact
+    assert near >= EXACT_CASES // 3
     assert wrong > 100  # the cases do probe rounding
-    assert uncertain < EXACT_CASES // 3 + 1
+    assert caught > 5
 
 
 def test_the_rounding_bound_of_the_loads_is_honest_and_tight(exact_cases):
@@ -209,7 +252,7 @@ def test_each_critical_stiffness_switches_the_verdict():
         stiffness = random_stiffness(rng, rigid_share=0.2)
         for joint, threshold in sf.critical_stiffness(body, stiffness, gravity)._asdict().items():
             if math.isinf(threshold):
-                assert not sf.is_stable(body, stiffness._replace(**{joint: 1e15}), gravity)
+                assert not sf.is_stable(body, stiffness._replace(**{joint: 1e12}), gravity)
                 continue
             switched += 1
             above = stiffness._replace(**{joint: threshold * (1.0 + 1e-9)})
@@ -221,6 +264,7 @@ def test_each_critical_stiffness_switches_the_verdict():
 
 def test_reserve_is_the_smallest_eigenvalue_of_c():
     rng = np.random.default_rng(13)
+    noticed = 0
     for _ in range(500):
         body, gravity = random_body(rng), random_gravity(rng)
         stiffness = random_stiffness(rng, rigid_share=0.2)
@@ -231,12 +275,17 @@ def test_reserve_is_the_smallest_eigenvalue_of_c():
             continue
         c = sf.stiffness_matrix(body, stiffness, gravity)[np.ix_(free, free)]
         expected = scipy.linalg.eigvalsh(c)
-        assert reserve == pytest.approx(expected[0], abs=1e-14 * np.abs(expected).max() * 10)
+        close = 1e-13 * np.abs(expected).max()
+        assert reserve == pytest.approx(expected[0], abs=close)
+        c[0, 0] *= 1.0 + 1e-6  # the oracle can fail
+        noticed += abs(reserve - scipy.linalg.eigvalsh(c)[0]) > close
         assert (reserve > 0.0) == sf.is_stable(body, stiffness, gravity)
+    assert noticed > 300
 
 
 def test_safety_factor_is_the_smallest_eigenvalue_of_springs_against_gravity():
     rng = np.random.default_rng(14)
+    noticed = 0
     for _ in range(500):
         body, gravity = random_body(rng), random_gravity(rng)
         stiffness = random_stiffness(rng, rigid_share=0.2)
@@ -250,9 +299,13 @@ def test_safety_factor_is_the_smallest_eigenvalue_of_springs_against_gravity():
         load = -sf.stiffness_matrix(body, sf.Stiffness(0.0, 0.0, 0.0), gravity)[keep]
         expected = scipy.linalg.eigh(springs, load, eigvals_only=True)[0]
         assert factor == pytest.approx(expected, rel=1e-10)
+        load[0, 0] *= 1.0 + 1e-6  # the oracle can fail
+        wrong = scipy.linalg.eigh(springs, load, eigvals_only=True)[0]
+        noticed += abs(wrong / expected - 1.0) > 1e-10
         assert (factor > 1.0) == sf.is_stable(body, stiffness, gravity)
         divided = sf.Stiffness(*(k / factor for k in stiffness))
         assert sf.stiffness_reserve(body, divided, gravity) == pytest.approx(0.0, abs=1e-9)
+    assert noticed > 400
 
 
 def test_a_free_joint_has_no_safety():
@@ -326,3 +379,76 @@ def test_traced_and_plain_calls_agree():
         dtype=float,
     )
     np.testing.assert_allclose(traced, plain, rtol=1e-11)
+
+
+PUBLIC = {
+    "critical_stiffness": lambda *person: sf.critical_stiffness(*person).hip,
+    "equal_rotation": lambda body, k, g: sf.equal_rotation(body, k.knee, g)[1],
+    "hip_ankle_ratio": lambda *person: sf.modes(*person).shapes[2, 0],
+    "joint_moments": lambda *person: sf.joint_moments(*person, (0.1, 0.2, 0.3), (1, 2, 3), (4, 5, 6)),  # noqa: E501
+    "kinetic_energy": lambda body, k, g: sf.kinetic_energy(body, (0.1, 0.2, 0.3), (1.0, 2.0, 3.0)),
+    "load_rounding": lambda *person: stability.load_rounding(*person)[0],
+    "inertia_matrix": lambda body, k, g: sf.inertia_matrix(body),
+    "modes": lambda *person: sf.modes(*person).eigenvalues,
+    "potential_energy": lambda *person: sf.potential_energy(*person, (0.1, 0.2, 0.3)),
+    "safety_factor": sf.safety_factor,
+    "stability_determinant": sf.stability_determinant,
+    "stiffness_matrix": sf.stiffness_matrix,
+    "stiffness_reserve": sf.stiffness_reserve,
+    "verdict": stability.verdict,
+    "verdict_by_minors": stability.verdict_by_minors,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+@pytest.mark.parametrize("leaf", range(8))
+def test_any_argument_alone_can_be_mapped_over(name, leaf):
+    rng = np.random.default_rng(16)
+    cases = [(random_body(rng), random_stiffness(rng), random_gravity(rng)) for _ in range(3)]
+    leaves = batch(cases)
+    fixed = [values[0] for values in leaves]
+
+    def alone(value):
+        return PUBLIC[name](*person_of(*fixed[:leaf], value, *fixed[leaf + 1 :]))
+
+    mapped = np.asarray(jax.vmap(alone)(leaves[leaf]))
+    plain = np.array([alone(value) for value in leaves[leaf]], dtype=float)
+    np.testing.assert_allclose(mapped, plain, rtol=1e-8, atol=1e-9)
+
+
+@pytest.mark.parametrize("leaf", range(8))
+@pytest.mark.parametrize("precision", [np.float16, np.float32])
+def test_a_single_precision_argument_is_refused(leaf, precision):
+    leaves = list(batch([(sf.Body.edwards2007(), sf.Stiffness(950.0, 2000.0, 738.0), 9.8)]))
+    leaves[leaf] = leaves[leaf].astype(precision)
+    with pytest.raises(TypeError, match="computes in float64"):
+        jax.vmap(lambda *one: stability.verdict(*person_of(*one)))(*leaves)
+
+
+def test_records_are_pytrees():
+    bodies = [sf.Body.edwards2007(), sf.Body.from_height_mass(1.6, 60.0)]
+    stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *bodies)
+    stiffness = sf.Stiffness(np.array([950.0, 700.0]), 2000.0, 738.0)
+    thresholds = jax.vmap(sf.critical_stiffness, in_axes=(0, sf.Stiffness._make((0, None, None))))(
+        stacked, stiffness
+    )
+    for number, body in enumerate(bodies):
+        plain = sf.critical_stiffness(
+            body, sf.Stiffness(float(stiffness.ankle[number]), 2000.0, 738.0)
+        )
+        assert float(jax.device_get(thresholds).ankle[number]) == pytest.approx(plain.ankle)
+
+
+def test_people_can_be_scaled_inside_a_trace():
+    def threshold(height, mass):
+        body = sf.Body.from_height_mass(height, mass, "de-leva-female")
+        return sf.critical_stiffness(body, sf.Stiffness(0.0, 2000.0, 700.0)).ankle
+
+    by_height, by_mass = jax.grad(threshold, argnums=(0, 1))(1.65, 60.0)
+    step = 1e-6
+    assert float(by_height) == pytest.approx(
+        (threshold(1.65 + step, 60.0) - threshold(1.65 - step, 60.0)) / (2 * step), rel=1e-6
+    )
+    assert float(by_mass) == pytest.approx(
+        (threshold(1.65, 60.0 + step) - threshold(1.65, 60.0 - step)) / (2 * step), rel=1e-6
+    )

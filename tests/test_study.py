@@ -98,7 +98,7 @@ WRONG = [
     (
         "stiffness.ankle",
         -1,
-        "stiffness.ankle = -1 is outside the allowed range, 0 or more N·m/rad, inf for a rigid joint",
+        "stiffness.ankle = -1 is outside the allowed range, 0 to 1e+12 N·m/rad, or inf for a rigid joint",
     ),
     (
         "stiffness.ankle",
@@ -108,12 +108,12 @@ WRONG = [
     (
         "stiffness.ankle",
         [0.0, NAN],
-        "stiffness.ankle[1] is NaN (not a number); give 0 or more N·m/rad, inf for a rigid joint",
+        "stiffness.ankle[1] is NaN (not a number); give 0 to 1e+12 N·m/rad, or inf for a rigid joint",
     ),
     (
         "stiffness.ankle",
         ["a"],
-        "stiffness.ankle[0] = 'a' is text; give a number, 0 or more N·m/rad, inf for a rigid joint",
+        "stiffness.ankle[0] = 'a' is text; give a number, 0 to 1e+12 N·m/rad, or inf for a rigid joint",
     ),
     ("stiffness.ankle", [[1.0]], "stiffness.ankle[0] = [1.0] is not a number"),
     (
@@ -164,7 +164,7 @@ WRONG = [
     (
         "stiffness.ankle",
         {"start": "a", "stop": 5, "num": 5},
-        "stiffness.ankle.start = 'a' is text; give a number, 0 or more N·m/rad, inf for a rigid joint",
+        "stiffness.ankle.start = 'a' is text; give a number, 0 to 1e+12 N·m/rad, or inf for a rigid joint",
     ),
     (
         "stiffness.ankle",
@@ -193,7 +193,7 @@ WRONG = [
     (
         "stiffness.ankle",
         10**400,
-        "stiffness.ankle is an integer beyond all floats; give 0 or more N·m/rad, inf for a rigid joint",
+        "stiffness.ankle is an integer beyond all floats; give 0 to 1e+12 N·m/rad, or inf for a rigid joint",
     ),
     ("title", ["a"], "title = ['a'] is not text"),
     (

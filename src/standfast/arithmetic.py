@@ -30,14 +30,15 @@ def namespace(*values: Any) -> Any:
     Raises
     ------
     TypeError
-        if a value is single precision. JAX makes it so without a word unless
+        if a value is of another precision than float64. JAX makes it so without a word unless
         ``jax.config.update("jax_enable_x64", True)`` was called.
     """
     library = np
     for value in values:
-        if getattr(value, "dtype", None) == np.float32:
+        dtype = getattr(value, "dtype", np.float64)
+        if dtype != np.float64 and getattr(dtype, "kind", "") == "f":
             raise TypeError(
-                "standfast computes in float64 and was given float32; "
+                f"standfast computes in float64 and was given {dtype}; "
                 'call jax.config.update("jax_enable_x64", True) before tracing it'
             )
         find = getattr(value, "__array_namespace__", None)

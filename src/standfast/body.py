@@ -5,7 +5,7 @@ along the upright body, centres of mass from the lower end of the segment.
 """
 
 import math
-from collections.abc import Sequence
+import numbers
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -44,8 +44,8 @@ class Body(_BodyFields):
     segment_com : (3,), m
         centre of mass above the lower end: ankle, knee, hip.
 
-    Numbers, lists and NumPy arrays are checked; arrays of another library pass unseen, because a
-    value that is being traced cannot be looked at.
+    Numbers and lists of numbers are checked. Arrays of JAX pass unseen, because a value that is
+    being traced cannot be looked at, and so do arrays with an axis more, the bodies of a batch.
 
     Raises
     ------
@@ -71,6 +71,20 @@ class Body(_BodyFields):
             _checked_segments("segment_com", segment_com, 3),
         )
 
+    def __eq__(self, other: object) -> bool:
+        """Return whether all values are equal."""
+        return isinstance(other, Body) and all(map(np.array_equal, self, other))
+
+    def __ne__(self, other: object) -> bool:
+        """Return whether any value differs."""
+        return not self == other
+
+    __hash__ = None  # type: ignore[assignment] # arrays have none either
+
+    def _replace(self, **changes: Any) -> "Body":
+        """Return a body with some values changed, checked like any other."""
+        return Body(**{**self._asdict(), **changes})
+
     @classmethod
     def edwards2007(cls) -> "Body":
         """Return the nominal person of Gait & Posture 25 (2007) 432-439: 75.3 kg, 1.753 m.
@@ -90,12 +104,17 @@ class Body(_BodyFields):
         InputError
             for a model that is not one of ``BODY_MODELS``, or a height or mass out of range.
         """
-        if model not in BODY_MODELS:
+        if not isinstance(model, str) or model not in BODY_MODELS:
             raise InputError(
                 f"body_model = {model!r} is not known{nearest_name(model, BODY_MODELS)} "
                 f"(models: {', '.join(BODY_MODELS)})"
             )
-        return scaled_body(model, checked_number("height", height), checked_number("mass", mass))
+        reference = REFERENCE_PEOPLE[model]
+        return rescaled(
+            reference.body,
+            checked_scalar("height", height) / reference.height,
+            checked_scalar("mass", mass) / reference.mass,
+        )
 
 
 class _StiffnessFields(NamedTuple):
@@ -121,10 +140,14 @@ class Stiffness(_StiffnessFields):
         """Check every plain value and keep it as a float."""
         return super().__new__(
             cls,
-            checked_scalar("ankle_stiffness", ankle),
-            checked_scalar("knee_stiffness", knee),
-            checked_scalar("hip_stiffness", hip),
+            _checked_leaf("ankle_stiffness", ankle),
+            _checked_leaf("knee_stiffness", knee),
+            _checked_leaf("hip_stiffness", hip),
         )
+
+    def _replace(self, **changes: Any) -> "Stiffness":
+        """Return the stiffnesses with some changed, checked like any others."""
+        return Stiffness(**{**self._asdict(), **changes})
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,59 +255,106 @@ def upper_body(model: str) -> tuple[float, float, float]:
     return mass, com, inertia
 
 
-def scaled_body(model: str, height: Scalar, mass: Scalar) -> Body:
-    """Scale the reference person of ``model``; ``height`` (m) and ``mass`` (kg) may be traced."""
-    reference = REFERENCE_PEOPLE[model]
-    return rescaled(reference.body, height / reference.height, mass / reference.mass)
-
-
 def rescaled(body: Body, taller: Scalar, heavier: Scalar) -> Body:
     """Return a similar body with lengths · ``taller`` and masses · ``heavier``."""
-    xp = namespace(taller, heavier)
+    xp = namespace(*body, taller, heavier)
     taller, heavier = xp.asarray(taller), xp.asarray(heavier)
     return Body._make(
-        (
-            body.segment_mass * heavier,
-            body.segment_inertia * (heavier * taller**2),
-            body.segment_length * taller,
-            body.segment_com * taller,
+        map(
+            _frozen,
+            (
+                body.segment_mass * heavier,
+                body.segment_inertia * (heavier * taller**2),
+                body.segment_length * taller,
+                body.segment_com * taller,
+            ),
         )
     )
 
 
-def checked_scalar(name: str, value: Any) -> Scalar:
-    """Check a parameter that is a plain value; a value of a tracing library passes unseen."""
-    if isinstance(value, np.ndarray) and value.ndim > 0:
+def checked_person(body: Body, stiffness: Stiffness, gravity: Scalar) -> Any:
+    """Check the arguments of a public function; return their array library.
+
+    Raises
+    ------
+    InputError
+        if they are not a body, a triple of stiffnesses and gravity, each of one person.
+    """
+    if not isinstance(body, Body):
         raise InputError(
-            f"{name} is an array of shape {value.shape}; give one number, "
-            f"{PARAMETERS[name].allowed}"
+            f"body = {body!r} is not a Body; make one with Body.from_height_mass or "
+            "Body.edwards2007"
         )
-    return checked_number(name, value) if _is_plain(value) else value
+    if not isinstance(stiffness, Stiffness):
+        raise InputError(
+            f"stiffness = {stiffness!r} is not a Stiffness; write Stiffness(ankle=…, knee=…, hip=…)"
+        )
+    for name, values, shape in zip(Body._fields, body, ((3,), (3,), (2,), (3,)), strict=True):
+        if np.shape(values) != shape:
+            raise InputError(
+                f"{name} has the shape {np.shape(values)}, not {shape}; "
+                "one person at a time, or map over them with jax.vmap"
+            )
+    for joint, value in zip(Stiffness._fields, stiffness, strict=True):
+        checked_scalar(f"{joint}_stiffness", value)
+    checked_scalar("gravity", gravity)
+    return namespace(*body, *stiffness, gravity)
 
 
-def _is_plain(value: Any) -> bool:
-    return value is None or isinstance(
-        value, bool | int | float | complex | str | bytes | Sequence | np.ndarray | np.generic
+def checked_scalar(name: str, value: Any) -> Scalar:
+    """Check a parameter of one person: one number in its range, or one that is being traced."""
+    if value is None or np.shape(value) != ():
+        shape = "None" if value is None else f"an array of shape {np.shape(value)}"
+        raise InputError(
+            f"{name} is {shape}; give one number, {PARAMETERS[name].allowed}, "
+            "or map over many with jax.vmap"
+        )
+    return _checked_leaf(name, value)
+
+
+def _checked_leaf(name: str, value: Any) -> Scalar:
+    """Check a parameter if it was typed in; let the leaves of a pytree pass."""
+    return checked_number(name, value) if _is_typed_in(value) else value
+
+
+def _is_typed_in(value: Any) -> bool:
+    """Return whether a value is one that people write, as against one that programs hand around.
+
+    JAX takes records apart and puts them together again with tracers, None and marks of its own.
+    """
+    number = (numbers.Number, np.generic)
+    words = (bool, str, bytes, list, tuple, dict, set)
+    return isinstance(value, (*number, *words)) or (
+        isinstance(value, np.ndarray) and value.ndim == 0
     )
 
 
 def _checked_segments(name: str, values: Any, count: int) -> Array:
-    if not _is_plain(values):
+    of_a_program = not _is_typed_in(values) and not isinstance(values, np.ndarray)
+    if of_a_program or (isinstance(values, np.ndarray) and values.ndim > 1):
         return values
     row = SEGMENT_PARAMETERS[name]
     segments = ("shank", "thigh", "upper body")[:count]
-    if isinstance(values, str) or np.shape(values) != (count,):
+    if not isinstance(values, list | tuple | np.ndarray) or len(values) != count:
         raise InputError(
             f"{name} = {values!r} is not {count} numbers; give {', '.join(segments)} in {row.unit}"
         )
-    checked = np.array(
-        [
-            checked_number(f"{name} of the {segment}", value, row=row)
-            for segment, value in zip(segments, values, strict=True)
-        ]
+    if any(namespace(value) is not np for value in values):
+        return namespace(*values).stack(list(values))
+    return _frozen(
+        np.array(
+            [
+                checked_number(f"{name} of the {segment}", value, row=row)
+                for segment, value in zip(segments, values, strict=True)
+            ]
+        )
     )
-    checked.flags.writeable = False
-    return checked
+
+
+def _frozen(array: Array) -> Array:
+    if isinstance(array, np.ndarray):
+        array.flags.writeable = False
+    return array
 
 
 def _winter_person() -> ReferencePerson:
@@ -320,10 +390,7 @@ def _de_leva_person(model: str) -> ReferencePerson:
 
 def _unit_body(*columns: list[float]) -> Body:
     """Make a body of unit height and mass, whose values no check of a real body would pass."""
-    arrays = [np.array(column) for column in columns]
-    for array in arrays:
-        array.flags.writeable = False
-    return Body._make(arrays)
+    return Body._make(_frozen(np.array(column)) for column in columns)
 
 
 REFERENCE_PEOPLE = {

@@ -3,7 +3,9 @@
 import argparse
 import contextlib
 import errno
+import io
 import json
+import os
 import shlex
 import sys
 import time
@@ -40,6 +42,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def run() -> None:
     """Entry point of the installed command."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # a console without Greek letters shows "?"
+            stream.reconfigure(errors="replace")
+    os.environ["MPLBACKEND"] = "agg"  # figures go to files, whatever the user's screen
     sys.exit(main())
 
 
@@ -317,13 +323,13 @@ def _reproduce(options: argparse.Namespace) -> None:
 
     folder = _folder(options.output)
     comparisons = compare()
+    written = [*write_tables(comparisons, folder), *draw_all(folder)]
     for row in comparisons:
         number = row.published
         print(
             f"{row.verdict:16} {number.printed:>17} published, {row.computed:10.6g} computed  "
             f"{number.what} [{number.unit}] ({number.where})"
         )
-    written = [*write_tables(comparisons, folder), *draw_all(folder)]
     print(f"\nWritten to {folder}: {', '.join(path.name for path in written)}")
 
 

@@ -10,6 +10,10 @@ g gravity; s, t, b shank, thigh, upper body; a, k, h ankle, knee, hip (Gait & Po
 432-439). The paper's appendix with A and C is not in its printed text; they are derived here.
 """
 
+from typing import Any
+
+import numpy as np
+
 from standfast.arithmetic import (
     Array,
     Matrix,
@@ -21,14 +25,14 @@ from standfast.arithmetic import (
     namespace,
     product,
 )
-from standfast.body import Body, Stiffness, checked_scalar
+from standfast.body import Body, Stiffness, checked_person, checked_scalar
 from standfast.quantities import STANDARD_GRAVITY
 
 
 def inertia_matrix(body: Body) -> Array:
     """Return the inertia matrix A of the linearised equations A q̈ + C q = 0.
 
-    A = Tᵀ M T, with M of :func:`segment_inertia_matrix`.
+    A = Tᵀ M T, with M of :func:`segment_inertia`.
 
     Returns
     -------
@@ -52,6 +56,7 @@ def stiffness_matrix(body: Body, stiffness: Stiffness, gravity: Scalar = STANDAR
     InputError
         if gravity is out of range.
     """
+    checked_person(body, stiffness, gravity)
     (g1, g2, g3), _, _ = joint_gravity(body, gravity)
     ankle, knee, hip = stiffness
     return _stacked(
@@ -78,6 +83,7 @@ def gravity_loads(body: Body, gravity: Scalar = STANDARD_GRAVITY) -> Vector:
         if gravity is out of range.
     """
     g = checked_scalar("gravity", gravity)
+    namespace(*body, g)  # refuses single precision
     ms, mt, mb = body.segment_mass
     hs, ht = body.segment_length
     es, et, eb = body.segment_com
@@ -138,11 +144,11 @@ def potential_energy(body: Body, stiffness: Stiffness, gravity: Scalar, rotation
     """Return the energy of springs and gravity at any posture, 0 when upright (J).
 
     V = ½ (Ka θa² + Kk θk² + Kh θh²) − γs (1 − cos φs) − γt (1 − cos φt) − γb (1 − cos φb).
-    A rigid joint stores nothing: its rotation is 0.
+    A rigid joint stores nothing while its rotation is 0, and would store infinitely much.
     """
-    xp = namespace(*stiffness, *rotation)
+    xp = namespace(*body, *stiffness, gravity, *rotation)
     springs = sum(
-        0.5 * xp.where(xp.isinf(k), 0.0, k) * angle**2
+        0.5 * _spring_moment(xp, k, angle) * angle
         for k, angle in zip(stiffness, rotation, strict=True)
     )
     # 1 − cos φ as 2 sin²(φ/2), which keeps its digits at small angles
@@ -158,7 +164,7 @@ def kinetic_energy(body: Body, rotation: Vector, velocity: Vector) -> Scalar:
 
     T = ½ Σ m (ẋ² + ż²) + ½ Σ I φ̇², with the velocity of each centre of mass written out.
     """
-    xp = namespace(*rotation, *velocity)
+    xp = namespace(*body, *rotation, *velocity)
     hs, ht = body.segment_length
     es, et, eb = body.segment_com
     angles = segment_angles(rotation)
@@ -194,9 +200,10 @@ def joint_moments(
 
     Returns
     -------
-    (3,), N·m, at ankle, knee and hip; 0 for free motion.
+    (3,), N·m, at ankle, knee and hip; 0 for free motion. At a rigid joint that does not turn it is
+    the moment that the joint bears.
     """
-    xp = namespace(*stiffness, *rotation, *velocity, *acceleration)
+    xp = namespace(*body, *stiffness, gravity, *rotation, *velocity, *acceleration)
     inertia = segment_inertia(body)
     angles = segment_angles(rotation)
     rates = segment_angles(velocity)
@@ -213,10 +220,14 @@ def joint_moments(
         - load * xp.sin(angles[i])
         for i, load in enumerate(gravity_loads(body, gravity))
     ]
-    springs = [
-        xp.where(xp.isinf(k), 0.0, k) * angle for k, angle in zip(stiffness, rotation, strict=True)
-    ]
+    springs = [_spring_moment(xp, k, angle) for k, angle in zip(stiffness, rotation, strict=True)]
     return xp.stack([springs[i] + sum(on_segments[i:]) for i in range(3)])
+
+
+@np.errstate(invalid="ignore")
+def _spring_moment(xp: Any, stiffness: Scalar, angle: Scalar) -> Scalar:
+    """Return K θ; 0 for a rigid joint that does not turn."""
+    return xp.where(xp.isinf(stiffness) & (angle == 0.0), 0.0, stiffness * xp.asarray(angle))
 
 
 def second_variation(body: Body, stiffness: Stiffness, gravity: Scalar, rotation: Vector) -> Scalar:
@@ -226,7 +237,7 @@ def second_variation(body: Body, stiffness: Stiffness, gravity: Scalar, rotation
     springs and gravity cancel, so the whole sum is carried in pairs of float64. A rigid joint
     stores nothing: its rotation is 0.
     """
-    xp = namespace(*body.segment_mass, *stiffness, gravity, *rotation)
+    xp = namespace(*body, *stiffness, gravity, *rotation)
     total: Pair = (xp.asarray(0.0), xp.asarray(0.0))
     for k, turn in zip(stiffness, rotation, strict=True):
         flexible = xp.where(xp.isinf(k), 0.0, k)

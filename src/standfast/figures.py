@@ -1,6 +1,6 @@
 """Arrays to matplotlib: each function draws into the axes that it is given and returns them.
 
-Nothing is computed and nothing is read here. Curves differ in line style and are labelled where
+No model is evaluated and nothing is read here. Curves differ in line style and are labelled where
 they run, so that a figure reads in grey; the few colours are those of Okabe & Ito, which are safe
 for colour-blind readers.
 """
@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from standfast.quantities import PARAMETERS
 
 COLUMN = 3.5  # width of a journal column, inches
-BLUE, VERMILION, GREEN, PURPLE, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#595959"
+BLUE, VERMILION, GREY = "#0072B2", "#D55E00", "#595959"
 LINE_STYLES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
 
 STYLE: Any = {
@@ -51,7 +51,9 @@ def paper_figure(
     shared: bool = False,
 ) -> Iterator[tuple[Figure, list[Axes]]]:
     """Give a figure in the style of this module, with rows and columns of axes, row by row."""
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context():
+        mpl.rcdefaults()  # a user's own settings belong to their figures, not to these
+        mpl.rcParams.update(STYLE)
         figure = Figure(figsize=(width, height), layout="constrained")
         axes = figure.subplots(*panels, sharex=shared, sharey=shared, squeeze=False)
         yield figure, list(axes.ravel())
@@ -283,9 +285,3 @@ def frequency_against_bmi(ax: Axes, bmi: np.ndarray, curves: Mapping[str, np.nda
     ax.set_ylabel(r"Least stable mode, $\omega$ (rad/s)")
     ax.legend(title="Height", frameon=False, loc="upper right", alignment="left")
     return ax
-
-
-def points_of(lengths: Sequence[float], angles: Sequence[float]) -> np.ndarray:
-    """Return the ends (4, 2) of three segments stacked at the given angles from the vertical."""
-    steps = np.column_stack([np.sin(angles), np.cos(angles)]) * np.asarray(lengths)[:, None]
-    return np.vstack([np.zeros(2), np.cumsum(steps, axis=0)])

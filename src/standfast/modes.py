@@ -16,7 +16,7 @@ import numpy as np
 
 from standfast import eigen
 from standfast.arithmetic import Array, Scalar, Vector, applied, dot, namespace
-from standfast.body import Body, Stiffness
+from standfast.body import Body, Stiffness, checked_person
 from standfast.dynamics import joint_gravity, joint_inertia, kinetic_energy, second_variation
 from standfast.quantities import STANDARD_GRAVITY
 from standfast.stability import signed_by, verdict
@@ -43,14 +43,15 @@ def modes(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY) 
     """Return the three modes of C v = λ A v.
 
     The eigenvalues are good to 1e-12 relative, also close to 0 and to each other, for body,
-    stiffness and gravity taken as exact. The sign of the first is that of the verdict.
+    stiffness (up to 1e12 N·m/rad, or rigid) and gravity taken as exact. The sign of the first is
+    that of the verdict.
 
     Raises
     ------
     InputError
         if gravity is out of range.
     """
-    xp = namespace(*stiffness, *body.segment_mass, gravity)
+    xp = checked_person(body, stiffness, gravity)
     load = joint_gravity(body, gravity)
     inertia = joint_inertia(body)
     inverse = eigen.inverse_of_cholesky(inertia)
@@ -121,7 +122,7 @@ def _ratio_to_ankle(joint: int, body: Body, stiffness: Stiffness, gravity: Scala
     result = modes(body, stiffness, gravity)
     xp = namespace(result.shapes, *stiffness)
     with_ankle = xp.where(xp.isinf(stiffness.ankle), xp.inf, result.shapes[joint, 0])
-    return xp.where(xp.isinf(result.eigenvalues[0]), xp.nan, with_ankle)
+    return xp.where(xp.isinf(result.eigenvalues[0]), xp.nan, with_ankle)[()]
 
 
 @np.errstate(all="ignore")

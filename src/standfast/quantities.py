@@ -29,6 +29,7 @@ class Parameter:
     meaning: str
     lowest: float
     highest: float
+    or_rigid: bool = False  # inf is allowed too
 
     @property
     def label(self) -> str:
@@ -39,9 +40,8 @@ class Parameter:
     def allowed(self) -> str:
         """The allowed range in words, with the unit."""
         unit = "" if self.unit == "1" else f" {self.unit}"
-        if math.isinf(self.highest):
-            return f"{self.lowest:g} or more{unit}, inf for a rigid joint"
-        return f"{self.lowest:g} to {self.highest:g}{unit}"
+        rigid = ", or inf for a rigid joint" if self.or_rigid else ""
+        return f"{self.lowest:g} to {self.highest:g}{unit}{rigid}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +69,9 @@ def label(words: str, symbol: str, unit: str) -> str:
 
 STIFFNESS_UNIT = "N·m/rad"
 
+# Beyond all joints; up to here every accuracy that is promised has been measured.
+STIFFEST = 1e12
+
 # Heights and masses run from small children to the tallest and heaviest adults on record; gravity
 # from near weightlessness to well beyond a centrifuge. They catch centimetres and pounds in grams,
 # not unusual people.
@@ -81,7 +84,8 @@ PARAMETERS = {
             STIFFNESS_UNIT,
             "rotational stiffness of both ankles together",
             0.0,
-            math.inf,
+            STIFFEST,
+            or_rigid=True,
         ),
         Parameter(
             "knee_stiffness",
@@ -89,7 +93,8 @@ PARAMETERS = {
             STIFFNESS_UNIT,
             "rotational stiffness of both knees together",
             0.0,
-            math.inf,
+            STIFFEST,
+            or_rigid=True,
         ),
         Parameter(
             "hip_stiffness",
@@ -97,7 +102,8 @@ PARAMETERS = {
             STIFFNESS_UNIT,
             "rotational stiffness of both hips together",
             0.0,
-            math.inf,
+            STIFFEST,
+            or_rigid=True,
         ),
         Parameter("height", "H", "m", "standing height of the person", 0.5, 2.8),
         Parameter("mass", "m", "kg", "mass of the whole body", 2.0, 700.0),
@@ -212,6 +218,8 @@ def checked_number(name: str, value: Any, *, row: Parameter | None = None) -> fl
         raise InputError(f"{name} is an integer beyond all floats; give {row.allowed}") from None
     if math.isnan(number):
         raise InputError(f"{name} is NaN (not a number); give {row.allowed}")
+    if row.or_rigid and number == math.inf:
+        return number
     if not row.lowest <= number <= row.highest:
         raise InputError(
             f"{name} = {number:g} is outside the allowed range, {row.allowed}{_likely(row, number)}"

@@ -16,7 +16,7 @@ import numpy as np
 
 from standfast import eigen
 from standfast.arithmetic import Matrix, Scalar, Vector, dot, namespace
-from standfast.body import Body, Stiffness, checked_scalar
+from standfast.body import Body, Stiffness, checked_person, checked_scalar
 from standfast.dynamics import (
     gravity_loads,
     joint_gravity,
@@ -40,6 +40,7 @@ def is_stable(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVI
     InputError
         if gravity is out of range.
     """
+    checked_person(body, stiffness, gravity)
     return bool(verdict(body, stiffness, gravity))
 
 
@@ -48,6 +49,7 @@ def verdict(body: Body, stiffness: Stiffness, gravity: Scalar) -> Scalar:
 
     L1 is infinite if knee or hip already fail, so this one comparison is the whole verdict.
     """
+    namespace(*body, *stiffness, gravity)  # refuses single precision
     return stiffness.ankle > carried_loads(body, stiffness, gravity)[0]
 
 
@@ -93,6 +95,7 @@ def critical_stiffness(
     InputError
         if gravity is out of range.
     """
+    checked_person(body, stiffness, gravity)
     return Stiffness(
         ankle=critical_ankle_stiffness(body, stiffness.knee, stiffness.hip, gravity),
         knee=critical_knee_stiffness(body, stiffness.ankle, stiffness.hip, gravity),
@@ -115,7 +118,7 @@ def critical_knee_stiffness(body: Body, ankle: Scalar, hip: Scalar, gravity: Sca
 def critical_hip_stiffness(body: Body, ankle: Scalar, knee: Scalar, gravity: Scalar) -> Scalar:
     """Return the hip's threshold (N·m/rad) with ankle and knee as given."""
     shank, thigh, upper = gravity_loads(body, gravity)
-    xp = namespace(shank, ankle, knee)
+    xp = namespace(shank, thigh, upper, ankle, knee)
     spare = ankle - shank
     spare_above = xp.where(spare > 0.0, bearable(knee, spare), 0.0) - thigh
     return handed_on(upper, spare_above)
@@ -139,7 +142,7 @@ def equal_rotation(
     InputError
         if gravity or the knee's stiffness is out of range.
     """
-    xp = namespace(*body.segment_mass, gravity, knee)
+    xp = namespace(*body, gravity, knee)
     (g1, g2, g3), _, _ = joint_gravity(body, gravity)
     spare = checked_scalar("knee_stiffness", knee) - g2
     knee_rotation = xp.where(spare > 0.0, (g2 + g3) / xp.where(spare > 0.0, spare, 1.0), xp.inf)
@@ -148,7 +151,7 @@ def equal_rotation(
 
 def flexible_matrix(body: Body, stiffness: Stiffness, gravity: Scalar) -> Matrix:
     """Return C as rows, with a rigid joint taken out: its row and column are those of 1."""
-    xp = namespace(*stiffness, *body.segment_mass, gravity)
+    xp = namespace(*body, *stiffness, gravity)
     (g1, g2, g3), _, _ = joint_gravity(body, gravity)
     ankle, knee, hip = stiffness
     no_ankle, no_knee, no_hip = xp.isinf(ankle), xp.isinf(knee), xp.isinf(hip)
@@ -179,10 +182,10 @@ def stability_determinant(
     InputError
         if gravity is out of range.
     """
-    xp = namespace(*stiffness, *body.segment_mass, gravity)
+    xp = checked_person(body, stiffness, gravity)
     determinant = _determinant(flexible_matrix(body, stiffness, gravity))
     any_rigid = xp.isinf(stiffness.ankle) | xp.isinf(stiffness.knee) | xp.isinf(stiffness.hip)
-    return xp.where(any_rigid, xp.copysign(xp.inf, determinant), determinant)
+    return xp.where(any_rigid, xp.copysign(xp.inf, determinant), determinant)[()]
 
 
 @np.errstate(all="ignore")
@@ -199,6 +202,7 @@ def stiffness_reserve(
     InputError
         if gravity is out of range.
     """
+    checked_person(body, stiffness, gravity)
     load = joint_gravity(body, gravity)
     shift = load[0][0] + load[1][1] + load[2][2]
     softest = eigen.spring_eigenvectors(stiffness, load, eigen.IDENTITY, shift)[0]
@@ -218,7 +222,7 @@ def safety_factor(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_G
     InputError
         if gravity is out of range.
     """
-    xp = namespace(*stiffness, *body.segment_mass, gravity)
+    xp = checked_person(body, stiffness, gravity)
     nothing = ((0.0, 0.0, 0.0),) * 3
     weakest = eigen.spring_eigenvectors(stiffness, nothing, joint_gravity(body, gravity), 1.0)[0]
     springs = sum(
@@ -235,7 +239,7 @@ def safety_factor(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_G
         verdict(body, stiffness, gravity),
         xp.maximum(factor, just_above),
         xp.minimum(factor, 1.0),
-    )
+    )[()]
 
 
 def signed_by(stable: Scalar, value: Scalar) -> Scalar:
@@ -245,7 +249,7 @@ def signed_by(stable: Scalar, value: Scalar) -> Scalar:
     """
     xp = namespace(stable, value)
     size = abs(value)
-    return xp.where(stable, xp.maximum(size, xp.finfo(xp.float64).tiny), -size)
+    return xp.where(stable, xp.maximum(size, xp.finfo(xp.float64).tiny), -size)[()]
 
 
 def load_rounding(body: Body, stiffness: Stiffness, gravity: Scalar) -> Vector:
@@ -257,7 +261,7 @@ def load_rounding(body: Body, stiffness: Stiffness, gravity: Scalar) -> Vector:
     and the load handed on ε + δ + u. The bound is infinite where δ is not small against 1, and
     holds with fused multiplications too, which only round less often.
     """
-    xp = namespace(*stiffness, *body.segment_mass, gravity)
+    xp = namespace(*body, *stiffness, gravity)
     loads = carried_loads(body, stiffness, gravity)
     at_ankle, at_knee, at_hip = loads
     hip_error = 2.0 * ROUNDOFF
@@ -296,6 +300,7 @@ def verdict_is_certain(
     From the hip down each joint must differ from its load by more than :func:`load_rounding`;
     the first one that falls short by more than that settles the matter.
     """
+    checked_person(body, stiffness, gravity)
     loads = carried_loads(body, stiffness, gravity)
     bounds = load_rounding(body, stiffness, gravity)
     for joint, load, bound in zip(stiffness[::-1], loads[::-1], bounds[::-1], strict=True):

@@ -84,6 +84,8 @@ COLUMNS = (
     "where",
     "unit",
     "published",
+    "stands_for_lowest",
+    "stands_for_highest",
     "computed",
     "lowest",
     "highest",
@@ -100,6 +102,8 @@ def as_rows(comparisons: list[Comparison]) -> list[tuple[str, ...]]:
             row.published.where,
             row.published.unit,
             row.published.printed,
+            f"{row.published.lowest:.6g}",
+            f"{row.published.highest:.6g}",
             f"{row.computed:.6g}",
             f"{row.lowest:.6g}",
             f"{row.highest:.6g}",
@@ -126,19 +130,24 @@ def as_markdown(comparisons: list[Comparison]) -> str:
         "",
         "Source: Gait & Posture 25 (2007) 432-439. Computed from the segment values that the paper",
         "lists, g = 9.8 m/s², stiffness of both legs together. *Allowed* is the interval that the",
-        "rounding of the listed values leaves open. A number **agrees** if ours rounds to the",
-        "printed one, is **within rounding** if some inputs that round to the listed ones would",
-        "make it so, and is **not reproduced** otherwise. Made by `standfast reproduce`.",
+        "rounding of the listed values leaves open; *stands for* is what rounds to the printed",
+        "number, or our reading of what the paper states in words. A number **agrees** if ours",
+        "lies in what the printed one stands for, is **within rounding** if it does for some",
+        "inputs that round to the listed ones, and is **not reproduced** otherwise. Made by",
+        "`standfast reproduce`.",
         "",
-        "| quantity | where | published | computed | allowed | unit | verdict |",
-        "|---|---|---|---|---|---|---|",
+        "| quantity | where | published | stands for | computed | allowed | unit | verdict |",
+        "|---|---|---|---|---|---|---|---|",
     ]
     notes: dict[str, int] = {}
-    for what, where, unit, text, computed, low, high, verdict, note in as_rows(comparisons):
+    for what, where, unit, text, least, most, computed, low, high, verdict, note in as_rows(
+        comparisons
+    ):
         mark = f" [{notes.setdefault(note, len(notes) + 1)}]" if note else ""
         shown = f"**{verdict}**" if verdict == NOT_REPRODUCED else verdict
         lines.append(
-            f"| {what} | {where} | {text} | {computed} | {low} … {high} | {unit} | {shown}{mark} |"
+            f"| {what} | {where} | {text} | {least} … {most} | {computed} | {low} … {high} "
+            f"| {unit} | {shown}{mark} |"
         )
     lines += ["", *(f"[{number}] {note}\n" for note, number in notes.items())]
     return "\n".join(lines)

@@ -1,6 +1,7 @@
 """Figures 2, 3, 4 and 5 of the paper: the numbers behind them, handed to ``figures``."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -126,7 +127,7 @@ def draw_figure_4(body: Body, folder: Path) -> list[Path]:
             shape = result.shapes[:, mode]
             for sign, linestyle, label in ((1.0, "-", "one extreme"), (-1.0, "--", "the other")):
                 turns = sign * FIGURE_4_ANKLE_ROTATION * shape
-                points = figures.points_of(lengths, segment_angles(tuple(turns)))
+                points = points_of(lengths, segment_angles(tuple(turns)))
                 figures.stick_figure(ax, points, linestyle=linestyle, label=label)
             hertz = angular_frequency(body, FIGURE_4, mode) / math.tau
             ax.set_title(f"({letter}) {hertz:.3g} Hz\nhip/ankle {shape[2]:.2f}".replace("-", "−"))
@@ -149,3 +150,9 @@ def draw_figure_5(body: Body, folder: Path) -> list[Path]:
     with figures.paper_figure() as (figure, (ax,)):
         figures.frequency_against_bmi(ax, bmi, curves)
         return figures.save(figure, folder / "figure5_frequency_bmi")
+
+
+def points_of(lengths: Sequence[float], angles: Sequence[float]) -> np.ndarray:
+    """Return the ends (4, 2) of three segments stacked at the given angles from the vertical."""
+    steps = np.column_stack([np.sin(angles), np.cos(angles)]) * np.asarray(lengths)[:, None]
+    return np.vstack([np.zeros(2), np.cumsum(steps, axis=0)])

@@ -190,7 +190,7 @@ PUBLISHED = (
         550.0,
         650.0,
         lambda body: float(critical_knee_stiffness(body, 2000.0, 2000.0, GRAVITY)),
-        "Agrees to the plot, whose curves are a hundred apart: 600 itself is just unstable.",
+        "Agrees to the plot, read to within 50 N·m/rad: 600 itself is just unstable.",
     ),
     printed(
         "frequency of the first mode",

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import standfast as sf
-from standfast import body as tables
+from standfast.body import REFERENCE_PEOPLE, segments
 
 # De Leva's two rows of the trunk, to the cervicale and to the mid-shoulder, put its centre of mass
 # at heights that differ by 1e-5 of stature: no composition is better than that.
@@ -19,7 +19,7 @@ COMPOSITION = 1e-5
 )
 def test_composed_upper_body(model, com, gyration):
     """Centre of mass above the hip and radius of gyration, as fractions of stature."""
-    mass, height, inertia = tables.upper_body(model)
+    mass, height, inertia = segments.upper_body(model)
     assert mass == pytest.approx({"de-leva-male": 0.6028, "de-leva-female": 0.5823}[model])
     assert height == pytest.approx(com, abs=COMPOSITION)
     assert math.sqrt(inertia / mass) == pytest.approx(gyration, abs=COMPOSITION)
@@ -34,7 +34,7 @@ def test_winters_upper_body_is_measured_to_the_shoulder():
 
 def test_sagittal_motion_uses_the_transverse_radii():
     """De Leva's sagittal column would make the upper body about 7 % too inert."""
-    rows = tables.DE_LEVA["de-leva-male"]
+    rows = segments.DE_LEVA["de-leva-male"]
     assert rows["shank"].gyration == 0.246
     assert rows["trunk"].gyration == 0.306
 
@@ -66,8 +66,8 @@ def test_a_body_is_frozen(body):
 
 
 def test_every_model_names_its_source():
-    assert set(tables.REFERENCE_PEOPLE) == set(sf.BODY_MODELS)
-    for person in tables.REFERENCE_PEOPLE.values():
+    assert set(REFERENCE_PEOPLE) == set(sf.BODY_MODELS)
+    for person in REFERENCE_PEOPLE.values():
         assert person.source
 
 

@@ -148,9 +148,7 @@ def stability_contours(
         style = LINE_STYLES[number % len(LINE_STYLES)]
         ax.plot(ankle, hip, linestyle=style, color="black" if "rigid" in name else BLUE)
         # labels of neighbouring curves are staggered along their lengths
-        label_curve(
-            ax, ankle, hip, name, share=0.5 + 0.5 * (number / max(steps - 1, 1) - 0.5) * (steps > 1)
-        )
+        label_curve(ax, ankle, hip, name, share=0.55 - 0.3 * number / max(steps - 1, 1))
     ax.set_xlim(*ankle_limits)
     ax.set_ylim(*hip_limits)
     ax.set_xlabel(PARAMETERS["ankle_stiffness"].label)

@@ -1,15 +1,13 @@
 """The command line: the only module that prints, exits or sets flags."""
 
 import argparse
-import contextlib
 import errno
 import io
 import json
 import os
 import shlex
 import sys
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -181,6 +179,7 @@ def _count(text: str) -> int:
 
 
 def _sweep(options: argparse.Namespace) -> None:
+    from standfast.cli.progress import progress_bar
     from standfast.study import Study
     from standfast.sweep import sweep
 
@@ -190,7 +189,7 @@ def _sweep(options: argparse.Namespace) -> None:
         atlas = sweep(study, output)
         print(f"{output} is finished already.")
         return
-    with _progress_bar() as (announce, progress):
+    with progress_bar() as (announce, progress):
         try:
             atlas = sweep(
                 study,
@@ -335,62 +334,6 @@ def _reproduce(options: argparse.Namespace) -> None:
 
 class StoppedError(Exception):
     """A run ended early for a reason outside; the message says how to go on."""
-
-
-# A run that ends sooner needs neither a forecast nor a bar.
-WORTH_A_FORECAST = 5.0  # s
-PLAIN_STEPS = 10
-
-
-@contextlib.contextmanager
-def _progress_bar() -> Iterator[tuple[Callable[[Any], None], Callable[[int, int], None]]]:
-    """Give a forecast and a bar on a terminal, plain lines elsewhere."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-    console = Console(stderr=True)
-
-    def announce(forecast: Any) -> None:
-        if forecast.seconds >= WORTH_A_FORECAST:
-            console.print(
-                f"{forecast.points:,} values to compute, about {in_bytes(forecast.disk_bytes)} on "
-                f"disk at most ({in_bytes(forecast.free_bytes)} free), "
-                f"about {forecast.seconds:.0f} s",
-                highlight=False,
-            )
-
-    began = time.monotonic()
-    if not console.is_terminal:
-        last = 0
-
-        def line(done: int, total: int) -> None:
-            nonlocal last
-            elapsed = time.monotonic() - began
-            if done * PLAIN_STEPS // total > last and elapsed > WORTH_A_FORECAST:
-                last = done * PLAIN_STEPS // total
-                rate = done / elapsed
-                left = (total - done) / rate
-                print(
-                    f"{100 * done // total} %, {rate:.3g} values/s, {left:.0f} s left",
-                    file=sys.stderr,
-                )
-
-        yield announce, line
-        return
-    columns = (
-        BarColumn(),
-        TextColumn("{task.percentage:3.0f} %"),
-        TextColumn("{task.fields[rate]}"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task("", total=None, rate="")
-
-        def advance(done: int, total: int) -> None:
-            rate = done / max(time.monotonic() - began, 1e-9)
-            bar.update(task, completed=done, total=total, rate=f"{rate:.3g} values/s")
-
-        yield announce, advance
 
 
 def _folder(folder: Path) -> Path:

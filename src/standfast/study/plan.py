@@ -6,7 +6,6 @@ nothing about the machine enters, so the same study always gives the same file.
 """
 
 import hashlib
-import itertools
 import json
 import math
 import tomllib
@@ -14,41 +13,33 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
-from standfast.body import BODY_MODELS
-from standfast.quantities import (
-    PARAMETERS,
-    QUANTITIES,
-    STANDARD_GRAVITY,
-    InputError,
-    checked_number,
-    nearest_name,
+from standfast.quantities import PARAMETERS, QUANTITIES, STANDARD_GRAVITY, InputError
+from standfast.study.values import (
+    BODY_KEYS,
+    STIFFNESS_KEYS,
+    TOP_KEYS,
+    Value,
+    axis_values,
+    check_body,
+    checked_quantities,
+    checked_section,
+    checked_value,
+    describe,
+    from_json,
+    json_value,
+    known_keys,
 )
-
-# A value, a list or a range in canonical form.
-Value: TypeAlias = float | str | list[float] | list[str] | dict[str, Any]
-
-TOP_KEYS = ("title", "gravity", "body", "stiffness", "output")
-BODY_KEYS = {"model": "body_model", "height": "height", "mass": "mass", "bmi": "bmi"}
-STIFFNESS_KEYS = {
-    "ankle": "ankle_stiffness",
-    "knee": "knee_stiffness",
-    "hip": "hip_stiffness",
-}
-OUTPUT_KEYS = ("quantities",)
-RANGE_KEYS = ("start", "stop", "num", "spacing")
-SPACINGS = ("linear", "log")
-LONGEST_AXIS = 10_000_000
-LARGEST_GRID = 10**13  # three hours at a billion verdicts a second
 
 # A chunk is the unit of compression and of reading: 2 MiB before compression. A shard, the unit of
 # writing and of resuming, is a run of chunks of one group: about a second of work, for which a
 # verdict counts far less than a number.
 CHUNK_BYTES = 2 * 2**20
 TILES_PER_SHARD = {1: 128, 8: 16}  # by bytes of a value
+LARGEST_GRID = 10**13  # three hours at a billion verdicts a second
 
 # The parameters on which each quantity depends, besides those of the body.
 BODY_PARAMETERS = ("body_model", "height", "mass", "bmi", "gravity")
@@ -160,22 +151,22 @@ class Study:
         InputError
             naming the key, what was given and what would be right.
         """
-        _known_keys("study", content, TOP_KEYS)
+        known_keys("study", content, TOP_KEYS)
         title = content.get("title", "")
         if not isinstance(title, str):
             raise InputError(f"title = {title!r} is not text")
         parameters: dict[str, Value] = {}
         for key, given in content.items():
             if key == "gravity":
-                parameters["gravity"] = _value("gravity", "gravity", given)
+                parameters["gravity"] = checked_value("gravity", "gravity", given)
             elif key == "body":
-                parameters |= _section("body", given, BODY_KEYS)
+                parameters |= checked_section("body", given, BODY_KEYS)
             elif key == "stiffness":
-                parameters |= _section("stiffness", given, STIFFNESS_KEYS)
+                parameters |= checked_section("stiffness", given, STIFFNESS_KEYS)
         parameters.setdefault("gravity", STANDARD_GRAVITY)
         parameters.setdefault("body_model", "winter")
-        _check_body(parameters)
-        study = cls(title, parameters, _quantities(content.get("output", {})))
+        check_body(parameters)
+        study = cls(title, parameters, checked_quantities(content.get("output", {})))
         _check_size(study)
         return study
 
@@ -201,10 +192,12 @@ class Study:
         for name, given in content["parameters"].items():
             if name != "body_model" and name not in PARAMETERS:
                 raise unreadable
-            parameters[name] = _value(name, name, _finite_words(given))
-        _check_body(parameters)
+            parameters[name] = checked_value(name, name, from_json(given))
+        check_body(parameters)
         study = cls(
-            str(content["title"]), parameters, _quantities({"quantities": content["quantities"]})
+            str(content["title"]),
+            parameters,
+            checked_quantities({"quantities": content["quantities"]}),
         )
         _check_size(study)
         return study
@@ -214,7 +207,7 @@ class Study:
         """The one canonical text of this study: JSON without spaces, infinity as ``"inf"``."""
         content = {
             "title": self.title,
-            "parameters": {name: _json_value(value) for name, value in self.parameters.items()},
+            "parameters": {name: json_value(value) for name, value in self.parameters.items()},
             "quantities": list(self.quantities),
         }
         return json.dumps(content, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
@@ -332,151 +325,6 @@ def chunk_shape(shape: tuple[int, ...], limit: int) -> tuple[int, ...]:
     return tuple(sides)
 
 
-def axis_values(value: Value) -> np.ndarray | None:
-    """Return the values of a list or range; None for a single value."""
-    if isinstance(value, list):
-        return np.array(value)
-    if isinstance(value, dict):
-        spaced = np.geomspace if value["spacing"] == "log" else np.linspace
-        values: np.ndarray = spaced(value["start"], value["stop"], value["num"])
-        return values
-    return None
-
-
-def describe(value: Value | None) -> str:
-    """Return a value, list or range in a few words."""
-    if value is None:
-        return "not given"
-    if isinstance(value, dict):
-        spacing = ", log spacing" if value["spacing"] == "log" else ""
-        return f"{value['num']} values from {value['start']:g} to {value['stop']:g}{spacing}"
-    if isinstance(value, list):
-        words = [item if isinstance(item, str) else f"{item:g}" for item in value]
-        shown = words if len(words) <= 8 else [*words[:3], "…", words[-1]]
-        return f"[{', '.join(shown)}]"
-    return value if isinstance(value, str) else f"{value:g}"
-
-
-def _known_keys(where: str, given: Any, known: Any) -> None:
-    if not isinstance(given, Mapping):
-        raise InputError(f"{where} = {_short(given)} is not a table of {', '.join(known)}")
-    for key in given:
-        if key not in known:
-            raise InputError(
-                f"{where} has no key {key!r}{nearest_name(key, known)} (keys: {', '.join(known)})"
-            )
-
-
-def _section(where: str, given: Any, keys: Mapping[str, str]) -> dict[str, Value]:
-    _known_keys(f"[{where}]", given, keys)
-    return {keys[key]: _value(f"{where}.{key}", keys[key], value) for key, value in given.items()}
-
-
-def _value(where: str, name: str, given: Any) -> Value:
-    """Check a value, a list or a range of one parameter and return it in canonical form."""
-    if isinstance(given, Mapping):
-        if name == "body_model":
-            raise InputError(f"{where} is a table; give a model or a list of models")
-        return _range(where, name, given)
-    if isinstance(given, np.ndarray):
-        given = given.tolist()
-    if not isinstance(given, list | tuple):
-        single: float | str = _single(where, name, given)
-        return single
-    if not given:
-        raise InputError(f"{where} is an empty list; give at least one value")
-    if len(given) > LONGEST_AXIS:
-        raise InputError(f"{where} has {len(given)} values; at most {LONGEST_AXIS} are allowed")
-    values = [_single(f"{where}[{number}]", name, item) for number, item in enumerate(given)]
-    if name == "body_model":
-        if len(set(values)) < len(values):
-            raise InputError(f"{where} names a model twice: {', '.join(map(str, values))}")
-        return values
-    for number, (before, after) in enumerate(itertools.pairwise(values)):
-        if not before < after:
-            fault = "repeats" if before == after else "falls below"
-            raise InputError(
-                f"{where}[{number + 1}] = {after:g} {fault} the value before it; "
-                "the values of an axis must rise"
-            )
-    return values
-
-
-def _single(where: str, name: str, given: Any) -> Any:
-    if name == "body_model":
-        if given not in BODY_MODELS:
-            raise InputError(
-                f"{where} = {_short(given)} is not a body model{nearest_name(given, BODY_MODELS)} "
-                f"(models: {', '.join(BODY_MODELS)})"
-            )
-        return given
-    if isinstance(given, list | tuple | dict):
-        raise InputError(f"{where} = {_short(given)} is not a number")
-    return checked_number(where, _short_text(given), row=PARAMETERS[name]) + 0.0
-
-
-def _range(where: str, name: str, given: Mapping[str, Any]) -> dict[str, Any]:
-    _known_keys(where, given, RANGE_KEYS)
-    for key in ("start", "stop", "num"):
-        if key not in given:
-            raise InputError(f"{where} lacks {key}; a range is {{ start = …, stop = …, num = … }}")
-    row = PARAMETERS[name]
-    start = checked_number(f"{where}.start", _short_text(given["start"]), row=row) + 0.0
-    stop = checked_number(f"{where}.stop", _short_text(given["stop"]), row=row) + 0.0
-    num = given["num"]
-    if isinstance(num, bool) or not isinstance(num, int) or not 2 <= num <= LONGEST_AXIS:
-        raise InputError(
-            f"{where}.num = {_short(num)} is not a whole number of values, 2 to {LONGEST_AXIS}"
-        )
-    spacing = given.get("spacing", "linear")
-    if spacing not in SPACINGS:
-        raise InputError(
-            f"{where}.spacing = {_short(spacing)} is not known"
-            f"{nearest_name(spacing, SPACINGS)} (spacings: {', '.join(SPACINGS)})"
-        )
-    if math.isinf(stop) or math.isinf(start):
-        raise InputError(
-            f"{where} reaches inf; put inf into a list instead, for example [800, inf]"
-        )
-    if start >= stop:
-        raise InputError(f"{where} goes from {start:g} to {stop:g}; stop must be above start")
-    if spacing == "log" and start == 0.0:
-        raise InputError(f"{where}.start = 0 has no logarithm; start a log range above 0")
-    canonical = {"start": start, "stop": stop, "num": num, "spacing": spacing}
-    values = axis_values(canonical)
-    if values is None or not (np.diff(values) > 0.0).all():
-        raise InputError(
-            f"{where} has {num} values between {start:.17g} and {stop:.17g}, "
-            "more than there are numbers; take fewer"
-        )
-    return canonical
-
-
-def _check_body(parameters: Mapping[str, Value]) -> None:
-    for name, key in (
-        ("height", "body.height"),
-        *((p, f"stiffness.{k}") for k, p in STIFFNESS_KEYS.items()),
-    ):
-        if name not in parameters:
-            raise InputError(f"{key} is missing")
-    if ("mass" in parameters) == ("bmi" in parameters):
-        have = "both are given" if "mass" in parameters else "neither is given"
-        raise InputError(f"body needs mass or bmi, one of them; {have}")
-    if "bmi" in parameters:
-        extremes = [
-            (bmi * height**2, bmi, height)
-            for bmi in _ends(parameters["bmi"])
-            for height in _ends(parameters["height"])
-        ]
-        row = PARAMETERS["mass"]
-        for mass, bmi, height in extremes:
-            if not row.lowest <= mass <= row.highest:
-                raise InputError(
-                    f"body.bmi = {bmi:g} at a height of {height:g} m is a mass of {mass:g} kg, "
-                    f"outside the allowed range, {row.allowed}"
-                )
-
-
 def _check_size(study: Study) -> None:
     for name in study.quantities:
         counts = [len(study.axes[axis]) for axis in study.axes_of(name)]
@@ -485,49 +333,3 @@ def _check_size(study: Study) -> None:
                 f"the grid of {name} has {math.prod(counts):.3g} points "
                 f"({' × '.join(map(str, counts))}); at most {LARGEST_GRID:.0e} are allowed"
             )
-
-
-def _ends(value: Value) -> tuple[float, ...]:
-    values = axis_values(value)
-    return (float(values[0]), float(values[-1])) if values is not None else (value,)  # type: ignore[return-value] # heights and bmi are numbers
-
-
-def _quantities(given: Any) -> tuple[str, ...]:
-    _known_keys("[output]", given, OUTPUT_KEYS)
-    names = given.get("quantities", ["stable"])
-    if not isinstance(names, list | tuple):
-        raise InputError(f"output.quantities = {_short(names)} is not a list of quantities")
-    if not names:
-        raise InputError("output.quantities is an empty list; give at least one quantity")
-    for name in names:
-        if not isinstance(name, str) or name not in QUANTITIES:
-            raise InputError(
-                f"output.quantities has no {_short(name)}{nearest_name(name, QUANTITIES)} "
-                f"(quantities: {', '.join(QUANTITIES)})"
-            )
-        if list(names).count(name) > 1:
-            raise InputError(f"output.quantities names {name} twice")
-    return tuple(names)
-
-
-def _json_value(value: Value) -> Any:
-    if isinstance(value, list):
-        return [_json_value(item) for item in value]
-    return "inf" if value == math.inf else value
-
-
-def _finite_words(given: Any) -> Any:
-    """Turn the canonical ``"inf"`` back into a number."""
-    if isinstance(given, list):
-        return [_finite_words(item) for item in given]
-    return math.inf if given == "inf" else given
-
-
-def _short(given: Any) -> str:
-    text = repr(given)
-    return text if len(text) <= 60 else f"{text[:57]}…"
-
-
-def _short_text(given: Any) -> Any:
-    """Cut a long text, so that the message that refuses it stays one line."""
-    return f"{given[:57]}…" if isinstance(given, str) and len(given) > 60 else given

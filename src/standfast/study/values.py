@@ -1,0 +1,233 @@
+"""The border of a study: what a file or a dictionary may say, checked key by key.
+
+Every message names the key, what was given, and the nearest right name or the allowed range.
+"""
+
+import itertools
+import math
+from collections.abc import Mapping
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from standfast.body import BODY_MODELS
+from standfast.quantities import (
+    PARAMETERS,
+    QUANTITIES,
+    InputError,
+    checked_number,
+    nearest_name,
+)
+
+# A value, a list or a range in canonical form.
+Value: TypeAlias = float | str | list[float] | list[str] | dict[str, Any]
+
+TOP_KEYS = ("title", "gravity", "body", "stiffness", "output")
+BODY_KEYS = {"model": "body_model", "height": "height", "mass": "mass", "bmi": "bmi"}
+STIFFNESS_KEYS = {
+    "ankle": "ankle_stiffness",
+    "knee": "knee_stiffness",
+    "hip": "hip_stiffness",
+}
+OUTPUT_KEYS = ("quantities",)
+RANGE_KEYS = ("start", "stop", "num", "spacing")
+SPACINGS = ("linear", "log")
+LONGEST_AXIS = 10_000_000
+
+
+def axis_values(value: Value) -> np.ndarray | None:
+    """Return the values of a list or range; None for a single value."""
+    if isinstance(value, list):
+        return np.array(value)
+    if isinstance(value, dict):
+        spaced = np.geomspace if value["spacing"] == "log" else np.linspace
+        values: np.ndarray = spaced(value["start"], value["stop"], value["num"])
+        return values
+    return None
+
+
+def describe(value: Value | None) -> str:
+    """Return a value, list or range in a few words."""
+    if value is None:
+        return "not given"
+    if isinstance(value, dict):
+        spacing = ", log spacing" if value["spacing"] == "log" else ""
+        return f"{value['num']} values from {value['start']:g} to {value['stop']:g}{spacing}"
+    if isinstance(value, list):
+        words = [item if isinstance(item, str) else f"{item:g}" for item in value]
+        shown = words if len(words) <= 8 else [*words[:3], "…", words[-1]]
+        return f"[{', '.join(shown)}]"
+    return value if isinstance(value, str) else f"{value:g}"
+
+
+def known_keys(where: str, given: Any, known: Any) -> None:
+    """Refuse a table with a key that is not known."""
+    if not isinstance(given, Mapping):
+        raise InputError(f"{where} = {_short(given)} is not a table of {', '.join(known)}")
+    for key in given:
+        if key not in known:
+            raise InputError(
+                f"{where} has no key {key!r}{nearest_name(key, known)} (keys: {', '.join(known)})"
+            )
+
+
+def checked_section(where: str, given: Any, keys: Mapping[str, str]) -> dict[str, Value]:
+    """Check a table of parameters; return them under their full names."""
+    known_keys(f"[{where}]", given, keys)
+    return {
+        keys[key]: checked_value(f"{where}.{key}", keys[key], value) for key, value in given.items()
+    }
+
+
+def checked_value(where: str, name: str, given: Any) -> Value:
+    """Check a value, a list or a range of one parameter and return it in canonical form."""
+    if isinstance(given, Mapping):
+        if name == "body_model":
+            raise InputError(f"{where} is a table; give a model or a list of models")
+        return _range(where, name, given)
+    if isinstance(given, np.ndarray):
+        given = given.tolist()
+    if not isinstance(given, list | tuple):
+        single: float | str = _single(where, name, given)
+        return single
+    if not given:
+        raise InputError(f"{where} is an empty list; give at least one value")
+    if len(given) > LONGEST_AXIS:
+        raise InputError(f"{where} has {len(given)} values; at most {LONGEST_AXIS} are allowed")
+    values = [_single(f"{where}[{number}]", name, item) for number, item in enumerate(given)]
+    if name == "body_model":
+        if len(set(values)) < len(values):
+            raise InputError(f"{where} names a model twice: {', '.join(map(str, values))}")
+        return values
+    for number, (before, after) in enumerate(itertools.pairwise(values)):
+        if not before < after:
+            fault = "repeats" if before == after else "falls below"
+            raise InputError(
+                f"{where}[{number + 1}] = {after:g} {fault} the value before it; "
+                "the values of an axis must rise"
+            )
+    return values
+
+
+def _single(where: str, name: str, given: Any) -> Any:
+    if name == "body_model":
+        if given not in BODY_MODELS:
+            raise InputError(
+                f"{where} = {_short(given)} is not a body model{nearest_name(given, BODY_MODELS)} "
+                f"(models: {', '.join(BODY_MODELS)})"
+            )
+        return given
+    if isinstance(given, list | tuple | dict):
+        raise InputError(f"{where} = {_short(given)} is not a number")
+    return checked_number(where, _short_text(given), row=PARAMETERS[name]) + 0.0
+
+
+def _range(where: str, name: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    known_keys(where, given, RANGE_KEYS)
+    for key in ("start", "stop", "num"):
+        if key not in given:
+            raise InputError(f"{where} lacks {key}; a range is {{ start = …, stop = …, num = … }}")
+    row = PARAMETERS[name]
+    start = checked_number(f"{where}.start", _short_text(given["start"]), row=row) + 0.0
+    stop = checked_number(f"{where}.stop", _short_text(given["stop"]), row=row) + 0.0
+    num = given["num"]
+    if isinstance(num, bool) or not isinstance(num, int) or not 2 <= num <= LONGEST_AXIS:
+        raise InputError(
+            f"{where}.num = {_short(num)} is not a whole number of values, 2 to {LONGEST_AXIS}"
+        )
+    spacing = given.get("spacing", "linear")
+    if spacing not in SPACINGS:
+        raise InputError(
+            f"{where}.spacing = {_short(spacing)} is not known"
+            f"{nearest_name(spacing, SPACINGS)} (spacings: {', '.join(SPACINGS)})"
+        )
+    if math.isinf(stop) or math.isinf(start):
+        raise InputError(
+            f"{where} reaches inf; put inf into a list instead, for example [800, inf]"
+        )
+    if start >= stop:
+        raise InputError(f"{where} goes from {start:g} to {stop:g}; stop must be above start")
+    if spacing == "log" and start == 0.0:
+        raise InputError(f"{where}.start = 0 has no logarithm; start a log range above 0")
+    canonical = {"start": start, "stop": stop, "num": num, "spacing": spacing}
+    values = axis_values(canonical)
+    if values is None or not (np.diff(values) > 0.0).all():
+        raise InputError(
+            f"{where} has {num} values between {start:.17g} and {stop:.17g}, "
+            "more than there are numbers; take fewer"
+        )
+    return canonical
+
+
+def check_body(parameters: Mapping[str, Value]) -> None:
+    """Refuse parameters of which one is missing, or that make a person of no mass at all."""
+    for name, key in (
+        ("height", "body.height"),
+        *((p, f"stiffness.{k}") for k, p in STIFFNESS_KEYS.items()),
+    ):
+        if name not in parameters:
+            raise InputError(f"{key} is missing")
+    if ("mass" in parameters) == ("bmi" in parameters):
+        have = "both are given" if "mass" in parameters else "neither is given"
+        raise InputError(f"body needs mass or bmi, one of them; {have}")
+    if "bmi" in parameters:
+        extremes = [
+            (bmi * height**2, bmi, height)
+            for bmi in _ends(parameters["bmi"])
+            for height in _ends(parameters["height"])
+        ]
+        row = PARAMETERS["mass"]
+        for mass, bmi, height in extremes:
+            if not row.lowest <= mass <= row.highest:
+                raise InputError(
+                    f"body.bmi = {bmi:g} at a height of {height:g} m is a mass of {mass:g} kg, "
+                    f"outside the allowed range, {row.allowed}"
+                )
+
+
+def _ends(value: Value) -> tuple[float, ...]:
+    values = axis_values(value)
+    return (float(values[0]), float(values[-1])) if values is not None else (value,)  # type: ignore[return-value] # heights and bmi are numbers
+
+
+def checked_quantities(given: Any) -> tuple[str, ...]:
+    """Check the table of outputs; return the names of the quantities."""
+    known_keys("[output]", given, OUTPUT_KEYS)
+    names = given.get("quantities", ["stable"])
+    if not isinstance(names, list | tuple):
+        raise InputError(f"output.quantities = {_short(names)} is not a list of quantities")
+    if not names:
+        raise InputError("output.quantities is an empty list; give at least one quantity")
+    for name in names:
+        if not isinstance(name, str) or name not in QUANTITIES:
+            raise InputError(
+                f"output.quantities has no {_short(name)}{nearest_name(name, QUANTITIES)} "
+                f"(quantities: {', '.join(QUANTITIES)})"
+            )
+        if list(names).count(name) > 1:
+            raise InputError(f"output.quantities names {name} twice")
+    return tuple(names)
+
+
+def json_value(value: Value) -> Any:
+    """Return a value in words of JSON, which has no infinity."""
+    if isinstance(value, list):
+        return [json_value(item) for item in value]
+    return "inf" if value == math.inf else value
+
+
+def from_json(given: Any) -> Any:
+    """Turn the canonical ``"inf"`` back into a number."""
+    if isinstance(given, list):
+        return [from_json(item) for item in given]
+    return math.inf if given == "inf" else given
+
+
+def _short(given: Any) -> str:
+    text = repr(given)
+    return text if len(text) <= 60 else f"{text[:57]}…"
+
+
+def _short_text(given: Any) -> Any:
+    """Cut a long text, so that the message that refuses it stays one line."""
+    return f"{given[:57]}…" if isinstance(given, str) and len(given) > 60 else given

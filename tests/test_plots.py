@@ -73,20 +73,21 @@ def test_an_atlas_gets_the_figures_its_axes_allow(tmp_path, drawn):
         ],
     )  # fmt: skip
     written = plot(atlas, tmp_path, formats=("png", "svg", "pdf"))
-    names = {path.name for path in written}
+    names = {path.name for drawing in written for path in drawing.paths}
     assert {f"a-limits.{suffix}" for suffix in ("png", "svg", "pdf")} <= names
     assert {"a-frequency.png", "a-hip_ankle_ratio.png", "a-critical_ankle_stiffness.png"} <= names
     assert "a-stable.png" not in names
-    for path in written:
-        assert path.stat().st_size > 1000
+    for name in names:
+        assert (tmp_path / name).stat().st_size > 1000
     assert not list(tmp_path.glob(".*.partial"))
 
 
 def test_small_multiples_over_body_size_are_thinned(tmp_path, drawn):
     body = {"height": [1.5, 1.6, 1.7, 1.8, 1.9], "bmi": [18.0, 20.0, 22.0, 25.0, 30.0, 35.0]}
-    plot(atlas_of(tmp_path, ["stable"], body=body), tmp_path)
+    (limits,) = plot(atlas_of(tmp_path, ["stable"], body=body), tmp_path)
+    assert limits.left_out == "shows height at 3 of 5 values, bmi at 4 of 6 values"
     titles = [ax.get_title() for ax in drawn[0].axes if ax.get_title()]
-    assert len(titles) == len(set(titles)) == 9
+    assert len(titles) == len(set(titles)) == 12
     assert titles[0] == "$H$ = 1.5 m, BMI = 18 kg/m²"
     assert titles[-1] == "$H$ = 1.9 m, BMI = 35 kg/m²"
 
@@ -107,8 +108,9 @@ def test_small_multiples_over_body_size_are_thinned(tmp_path, drawn):
 )  # fmt: skip
 def test_without_the_plane_a_quantity_is_a_curve(tmp_path, drawn, stiffness, body):
     atlas = atlas_of(tmp_path, ["safety_factor"], stiffness, body)
-    (path,) = plot(atlas, tmp_path)
-    assert path.name == "a-safety_factor.png"
+    (drawing,) = plot(atlas, tmp_path)
+    assert [path.name for path in drawing.paths] == ["a-safety_factor.png"]
+    assert drawing.left_out == ""
 
 
 def test_nothing_to_draw_gets_a_sentence(tmp_path):
@@ -170,3 +172,40 @@ def test_regions_and_maps_read_in_grey():
         [grey(color) for color in mpl.colormaps["cividis"](np.linspace(0, 1, 50))]
     )
     assert (np.diff(map_shades) > 0.0).all()
+
+
+def test_where_everyone_stands_no_one_is_drawn_as_falling(tmp_path, monkeypatch):
+    seen = {}
+    regions = figures.strategy_regions
+    monkeypatch.setattr(
+        figures, "strategy_regions",
+        lambda ax, ankle, hip, ratio, stable: seen.update(stable=stable) or regions(
+            ax, ankle, hip, ratio, stable
+        ),
+    )  # fmt: skip
+    strong = {
+        "ankle": {"start": 1500, "stop": 3000, "num": 11},
+        "knee": 2000.0,
+        "hip": {"start": 800, "stop": 2000, "num": 13},
+    }
+    atlas = atlas_of(tmp_path, ["stable", "hip_ankle_ratio"], strong)
+    plot(atlas, tmp_path, quantities=["hip_ankle_ratio"])
+    np.testing.assert_array_equal(seen["stable"], np.asarray(atlas["stable"]).T == 1)
+    assert seen["stable"].all()
+
+
+def test_values_that_differ_late_keep_their_own_curves_and_titles(tmp_path, drawn):
+    close = {**AXES, "knee": [2000.0, 20001.0, 20002.0, 20003.0]}
+    body = {"height": [1.75, 1.75001], "mass": 80.0}
+    plot(atlas_of(tmp_path, ["stable"], close, body), tmp_path)
+    panels = [ax for ax in drawn[0].axes if ax.get_title()]
+    assert [ax.get_title() for ax in panels] == ["$H$ = 1.75 m", "$H$ = 1.75001 m"]
+    for ax in panels:
+        words = {text.get_text() for text in ax.texts}
+        assert words == {"$K_k$ = 2000", "20001", "20002", "20003"}
+
+
+def test_a_rigid_ankle_alone_is_drawn_as_curves(tmp_path, drawn):
+    alone = {"ankle": [math.inf], "knee": 2000.0, "hip": [100.0, 200.0, 400.0]}
+    (drawing,) = plot(atlas_of(tmp_path, ["safety_factor"], alone), tmp_path)
+    assert drawing.paths[0].name == "a-safety_factor.png"

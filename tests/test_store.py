@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import hashlib
 import itertools
 import json
 import os
@@ -23,6 +24,7 @@ import xarray
 import standfast as sf
 from standfast.engine import evaluator
 from standfast.quantities import PARAMETERS, QUANTITIES
+from standfast.store import workplace
 from standfast.store.shards import is_valid, shard_path
 from standfast.store.workplace import parts_of
 from studies import GOOD, UNEQUAL, changed, several_shards
@@ -311,10 +313,15 @@ def readers(path: Path):
         yield "h5netcdf", {name: file[name][...] for name in file.variables}
 
 
-def test_other_programs_read_the_same_numbers(tmp_path):
-    study = sf.Study.from_dict(UNEQUAL)
-    atlas = sf.sweep(study, tmp_path / "a.h5")
-    for program, arrays in readers(tmp_path / "a.h5"):
+@pytest.fixture(scope="module")
+def everything_in(tmp_path_factory):
+    """An atlas of every quantity on axes of every kind."""
+    return sf.sweep(sf.Study.from_dict(UNEQUAL), tmp_path_factory.mktemp("every") / "a.h5")
+
+
+def test_other_programs_read_the_same_numbers(everything_in):
+    atlas, study = everything_in, everything_in.study
+    for program, arrays in readers(atlas.path):
         for quantity in study.quantities:
             np.testing.assert_array_equal(
                 np.asarray(arrays[quantity]), np.asarray(atlas[quantity]), err_msg=program
@@ -324,10 +331,8 @@ def test_other_programs_read_the_same_numbers(tmp_path):
                 np.testing.assert_array_equal(arrays[name], values, err_msg=program)
 
 
-def test_labels_follow_the_conventions(tmp_path):
-    study = sf.Study.from_dict(changed("stiffness.hip", [100.0, 500.0, 900.0], UNEQUAL))
-    path = tmp_path / "a.h5"
-    sf.sweep(study, path)
+def test_labels_follow_the_conventions(everything_in):
+    path, study = everything_in.path, everything_in.study
     with xarray.open_dataset(path, engine="h5netcdf") as dataset:
         assert dataset.attrs["Conventions"] == "CF-1.11"
         assert dataset.attrs["title"] == study.title
@@ -572,3 +577,131 @@ def test_the_lock_goes_with_the_process(study, whole, tmp_path):
         path.unlink()
     sf.sweep(study, path)
     assert path.read_bytes() == whole[1]
+
+
+def test_what_a_failed_finish_left_is_swept_away(study, whole, begun, monkeypatch):
+    """Also when there is room for the file only once the leftover is gone."""
+    folder = parts_of(begun)
+    for name in (".atlas.partial", ".shard-000001.h5.99.partial"):
+        (folder / name).write_bytes(b"x" * 1000)
+    seen = []
+    require = workplace._require_room
+    monkeypatch.setattr(
+        workplace, "_require_room",
+        lambda place, size: seen.append(list(place.glob(".*.partial"))) or require(place, size),
+    )  # fmt: skip
+    sf.sweep(study, begun)
+    assert seen == [[]]
+    assert begun.read_bytes() == whole[1]
+
+
+def test_a_finish_that_fails_leaves_the_shards_and_no_partial(study, whole, begun, monkeypatch):
+    def fail(path):
+        raise OSError(errno.EIO, "the disk said no")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(workplace, "_sync_file", fail)
+        with pytest.raises(OSError, match="the disk said no"):
+            sf.sweep(study, begun)
+    assert not begun.exists()
+    assert not list(parts_of(begun).glob(".*.partial"))
+    sf.sweep(study, begun)
+    assert begun.read_bytes() == whole[1]
+
+
+@pytest.mark.parametrize("content", [b"", b"\xff\xfe", b"{}"])
+def test_a_spoilt_study_file_is_written_again(study, whole, begun, content):
+    (parts_of(begun) / "study.json").write_bytes(content)
+    calls = []
+    sf.sweep(study, begun, progress=lambda done, total: calls.append(total))
+    assert calls == []  # the shards were still good
+    assert begun.read_bytes() == whole[1]
+
+
+def test_the_leftover_folder_of_a_finished_file_is_removed(study, whole, tmp_path):
+    path = tmp_path / "a.h5"
+    sf.sweep(study, path, part=(1, 3))
+    shutil.copy(whole[0], path)
+    assert parts_of(path).is_dir()
+    sf.sweep(study, path)
+    assert not parts_of(path).exists()
+
+
+def test_a_newcomer_during_the_tidying_finds_a_lock_of_its_own(study, whole, tmp_path, monkeypatch):
+    """The lock goes last; who opened it before it went must take a new one."""
+    path = tmp_path / "a.h5"
+    tidy = workplace._tidy
+
+    def locked(folder):
+        return workplace._locked(folder / "lock", workplace.fcntl.LOCK_EX, path)
+
+    def crowded(folder):
+        with pytest.raises(sf.InputError, match="is being written by another run"), locked(folder):
+            pass
+        tidy(folder)
+        with locked(folder):
+            assert (folder / "lock").read_text() == str(os.getpid())
+            tidy(folder)
+
+    monkeypatch.setattr(workplace, "_tidy", crowded)
+    sf.sweep(study, path)
+    assert path.read_bytes() == whole[1]
+    assert not parts_of(path).exists()
+
+
+def test_a_stale_lock_does_not_name_a_process_that_is_gone(study, tmp_path):
+    path = tmp_path / "a.h5"
+
+    def intrude(forecast):
+        (parts_of(path) / "lock").write_text("99999999")
+        with pytest.raises(sf.InputError, match="by another run; wait"):
+            sf.sweep(study, path)
+
+    sf.sweep(study, path, part=(1, 3), announce=intrude)
+
+
+def test_ctrl_c_is_one_sentence_and_exit_code_1(tmp_path):
+    big = tmp_path / "big.toml"
+    big.write_text(
+        "[body]\nheight = 1.75\nmass = 80\n[stiffness]\nknee = 2000\n"
+        "ankle = { start = 0, stop = 2000, num = 9000 }\n"
+        "hip = { start = 0, stop = 999, num = 9000 }"
+        '\n[output]\nquantities = ["frequency"]\n'
+    )
+    command = [sys.executable, "-m", "standfast", "sweep", "big.toml"]
+    for wait in (0.3, 1.5):
+        run = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE)
+        while not (tmp_path / "big.h5.parts" / "study.json").exists() and run.poll() is None:
+            time.sleep(0.01)
+        time.sleep(wait)
+        run.send_signal(signal.SIGINT)
+        _, message = run.communicate(timeout=60)
+        assert run.returncode == 1
+        assert b"Traceback" not in message
+        assert b"stopped; what is done is kept in big.h5.parts. To go on: standfast" in message
+
+
+@pytest.mark.parametrize("name", ["gravity", "body_model"])
+def test_a_file_whose_study_lacks_a_parameter_is_refused(small_atlas, tmp_path, name):
+    path = tmp_path / "hostile.h5"
+    shutil.copy(small_atlas, path)
+    with h5py.File(path, "r+") as file:
+        content = json.loads(bytes(file.attrs["study"]))
+        del content["parameters"][name]
+        text = json.dumps(content, separators=(",", ":")).encode()
+        file.attrs["study"] = np.bytes_(text)
+        file.attrs["study_sha256"] = np.bytes_(hashlib.sha256(text).hexdigest().encode())
+    with pytest.raises(sf.InputError, match="the study inside the file cannot be read"):
+        sf.open_atlas(path)
+
+
+def test_arrays_and_masks_index_as_in_h5py(whole):
+    variable = sf.open_atlas(whole[0])["stable"]
+    everything = np.asarray(variable)
+    np.testing.assert_array_equal(variable[np.array([0, 2])], everything[[0, 2]])
+    np.testing.assert_array_equal(variable[:, np.arange(5), 1], everything[:, :5, 1])
+
+
+def test_no_threads_gets_a_sentence(study, tmp_path):
+    with pytest.raises(sf.InputError, match="threads = 0 is not a number of threads"):
+        sf.sweep(study, tmp_path / "a.h5", threads=0)

@@ -29,7 +29,7 @@ WRONG = [
         "x",
         "study has no key 'titel'; did you mean 'title'? (keys: title, gravity, body, stiffness, output)",
     ),
-    ("title", 5, "title = 5 is not text"),
+    ("title", 5, "title = 5 is not one line of text"),
     ("gravity", -9.8, "gravity = -9.8 is outside the allowed range, 0.001 to 1000 m/s²"),
     ("gravity", "9.8", "gravity = '9.8' is text; give a number, 0.001 to 1000 m/s²"),
     ("gravity", NAN, "gravity is NaN (not a number); give 0.001 to 1000 m/s²"),
@@ -195,7 +195,7 @@ WRONG = [
         10**400,
         "stiffness.ankle is an integer beyond all floats; give 0 to 1e+12 N·m/rad, or inf for a rigid joint",
     ),
-    ("title", ["a"], "title = ['a'] is not text"),
+    ("title", ["a"], "title = ['a'] is not one line of text"),
     (
         "stiffness.hip",
         {"start": 0, "stop": 9, "num": 10000001},

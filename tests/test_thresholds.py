@@ -70,7 +70,7 @@ def test_contours_of_an_atlas_lie_on_the_closed_form(tmp_path, quantity, steps):
     assert len(found) == 6
     for contour in found:
         assert len(contour.lines) == 1
-        assert contour.resolution == pytest.approx(20.0)
+        assert contour.resolution == pytest.approx(25.0)  # the hip's, the larger of the two
         assert 0.0 < contour.greatest <= steps * 25.0
         assert contour.mean < contour.greatest
 
@@ -96,16 +96,19 @@ def test_tables_hold_every_curve(tmp_path):
     found = list(thresholds.extracted(atlas))
     table, store = thresholds.write_tables(study, found, tmp_path / "t")
     rows = list(csv.DictReader(io.StringIO(table.read_text(encoding="utf-8"))))
-    assert len(rows) == sum(contour.ankle.size for contour in found)
+    counts = [sum(row["source"] == source for row in rows) for source in ("closed form", "atlas")]
+    assert counts[0] == sum(contour.ankle.size for contour in found)
+    assert counts[1] == sum(len(contour.lines[0]) for contour in found)
     assert list(rows[0]) == [
         "height [m]", "knee_stiffness [N·m/rad]", "ankle_stiffness [N·m/rad]",
-        "hip_stiffness [N·m/rad]",
+        "hip_stiffness [N·m/rad]", "source",
     ]  # fmt: skip
     with h5py.File(store, "r") as file:
         assert len(file["thresholds"]) == 6
         group = file["thresholds/000004"]
         assert group.attrs["height"] == 1.8
         assert group.attrs["knee_stiffness"] == 2000.0
+        assert group.attrs["body_model"] == "winter"
         np.testing.assert_array_equal(group["closed_form"][:, 0], found[4].ankle)
         np.testing.assert_array_equal(group["contour"][...], found[4].lines[0])
         assert group.attrs["greatest_distance"] == found[4].greatest
@@ -131,3 +134,25 @@ def test_a_person_who_stands_everywhere_has_no_limit(tmp_path):
     assert contour.ankle.size == 0
     assert contour.lines == []
     assert math.isnan(contour.greatest)
+
+
+def test_tables_of_one_atlas_do_not_touch_another(tmp_path):
+    """A dot in a name is no suffix: run.2.h5 must not write run.h5."""
+    neighbour = tmp_path / "run.h5"
+    neighbour.write_text("my other atlas")
+    study = study_of("stable")
+    written = thresholds.write_tables(study, thresholds.contours(study), tmp_path / "run.2-t")
+    assert [path.name for path in written] == ["run.2-t.csv", "run.2-t.h5"]
+    assert neighbour.read_text() == "my other atlas"
+
+
+@pytest.mark.parametrize("ankle", [[math.inf], [900.0], [900.0, math.inf]])
+def test_an_axis_with_fewer_than_two_finite_values_gets_a_sentence(ankle):
+    axes = {"ankle": ankle, "knee": 2000.0, "hip": [100.0, 200.0]}
+    with pytest.raises(sf.InputError, match="ankle_stiffness has fewer than two finite values"):
+        list(thresholds.contours(sf.Study.from_dict(changed("stiffness", axes))))
+
+
+def test_only_the_planes_asked_for_are_computed():
+    places = list(thresholds.places(study_of("stable"), {"knee_stiffness": {2}, "height": {1}}))
+    assert [(place.values["height"], place.knee) for place in places] == [(1.8, math.inf)]

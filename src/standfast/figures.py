@@ -143,17 +143,39 @@ def stability_contours(
     hip_limits: tuple[float, float],
 ) -> Axes:
     """Draw curves of neutral stability (ankle, hip; N·m/rad), one a knee stiffness, labelled."""
-    steps = len(contours)
     for number, (name, (ankle, hip)) in enumerate(contours.items()):
         style = LINE_STYLES[number % len(LINE_STYLES)]
         ax.plot(ankle, hip, linestyle=style, color="black" if "rigid" in name else BLUE)
-        # labels of neighbouring curves are staggered along their lengths
-        label_curve(ax, ankle, hip, name, share=0.55 - 0.3 * number / max(steps - 1, 1))
+    scale = np.array([np.ptp(ankle_limits), np.ptp(hip_limits)])
+    curves = {name: np.column_stack(curve) / scale for name, curve in contours.items()}
+    taken: list[np.ndarray] = []
+    for name, curve in curves.items():
+        if len(curve) == 0:
+            continue
+        others = [other for key, other in curves.items() if key != name and len(other)]
+        at = _most_open(curve, np.concatenate([*others, *taken, np.empty((0, 2))]))
+        # a label is wider than it is high: keep the next one away from its ends too
+        taken.append(curve[at] + np.array([[-0.08, 0.0], [0.0, 0.0], [0.08, 0.0]]))
+        ankle_at, hip_at = curve[at] * scale
+        remark(ax, ankle_at, hip_at, name)
     ax.set_xlim(*ankle_limits)
     ax.set_ylim(*hip_limits)
     ax.set_xlabel(PARAMETERS["ankle_stiffness"].label)
     ax.set_ylabel(PARAMETERS["hip_stiffness"].label)
     return ax
+
+
+def _most_open(curve: np.ndarray, others: np.ndarray) -> int:
+    """Return the point of a curve, not near its ends, that is farthest from all other points."""
+    inner = np.flatnonzero(
+        (curve[:, 0] > 0.12) & (curve[:, 0] < 0.88) & (curve[:, 1] > 0.08) & (curve[:, 1] < 0.92)
+    )
+    inner = inner if inner.size else np.arange(len(curve))
+    if len(others) == 0:
+        return int(inner[inner.size // 2])
+    steps = inner[:: max(1, inner.size // 60)]
+    away = np.abs(curve[steps, None, :] - others[None, :, :]) * np.array([1.0, 2.5])
+    return int(steps[np.argmax(np.hypot(away[..., 0], away[..., 1]).min(axis=1))])
 
 
 def quantity_map(
@@ -163,9 +185,9 @@ def quantity_map(
     values: np.ndarray,
     *,
     limits: tuple[float, float],
-    neutral: Sequence[np.ndarray] = (),
+    stable: np.ndarray | None = None,
 ) -> QuadMesh:
-    """Draw values (len(y), len(x)) as a map, with the limit of standing as lines (n, 2)."""
+    """Draw values (len(y), len(x)) as a map; where ``stable`` is False, it is hatched."""
     mesh = ax.pcolormesh(
         x,
         y,
@@ -176,9 +198,10 @@ def quantity_map(
         shading="nearest",
         rasterized=True,
     )
-    for line in neutral:
-        ax.plot(line[:, 0], line[:, 1], color="white", linewidth=2.4)
-        ax.plot(line[:, 0], line[:, 1], color="black", linewidth=1.0)
+    if stable is not None and stable.any() and not stable.all():
+        with mpl.rc_context({"hatch.color": "white", "hatch.linewidth": 0.4}):
+            ax.contourf(x, y, ~stable, levels=[0.5, 1.5], colors="none", hatches=["////"])
+        ax.contour(x, y, stable, levels=[0.5], colors="black", linewidths=1.2)
     return mesh
 
 
@@ -216,8 +239,6 @@ def quantity_curves(
     for number, (name, values) in enumerate(curves.items()):
         style = LINE_STYLES[number % len(LINE_STYLES)]
         ax.plot(x, values, linestyle=style, color=BLUE, label=name)
-    if len(curves) > 1:
-        ax.legend(frameon=False)
     # a curve that runs away towards an asymptote would flatten all the rest
     finite = np.concatenate([values[np.isfinite(values)] for values in curves.values()])
     if finite.size and finite.min() > 0.0 and finite.max() > 8.0 * np.median(finite):
@@ -241,18 +262,6 @@ def remark(ax: Axes, x: float, y: float, text: str, **style: object) -> None:
 
 
 WHITE_GROUND = {"boxstyle": "square,pad=0.12", "facecolor": "white", "edgecolor": "none"}
-
-
-def label_curve(ax: Axes, x: np.ndarray, y: np.ndarray, text: str, *, share: float = 0.5) -> None:
-    """Write a label on a falling curve, at a share of the way along it."""
-    if x.size == 0:
-        return
-    # length along the curve in units of its own width and height
-    spans = [max(float(np.ptp(values)), 1e-300) for values in (x, y)]
-    steps = np.hypot(np.diff(x, prepend=x[0]) / spans[0], np.diff(y, prepend=y[0]) / spans[1])
-    along = np.cumsum(steps)
-    at = int(np.searchsorted(along, share * along[-1]))
-    remark(ax, x[min(at, x.size - 1)], y[min(at, y.size - 1)], text)
 
 
 def stick_figure(

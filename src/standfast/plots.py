@@ -4,7 +4,8 @@ Reads planes of the atlas and computes limits of standing; the drawing itself is
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +15,12 @@ from standfast import figures
 from standfast.quantities import PARAMETERS, QUANTITIES, InputError
 from standfast.store import Atlas
 from standfast.study import Study
-from standfast.thresholds import ANKLE, HIP, KNEE, PLANE, Contour, contours, has_plane
+from standfast.thresholds import ANKLE, HIP, KNEE, PLANE, Contour, contours, has_plane, hips_needed
 
 FORMATS = ("png", "svg", "pdf")
 
 # More small multiples than these are thinned out evenly: a page holds no more that can be read.
-MOST_PANELS = 9
+MOST_PANELS = 12
 MOST_CURVES = 6
 # More points a side than a figure has dots are skipped.
 MOST_POINTS = 800
@@ -27,10 +28,18 @@ MOST_POINTS = 800
 PAGE = 7.0  # width of a page of a journal, inches
 
 
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """One figure: its files, and in words which values of the study it leaves out."""
+
+    paths: list[Path]
+    left_out: str
+
+
 def plot(
     atlas: Atlas, folder: Path, *, quantities: Sequence[str] = (), formats: Sequence[str] = ("png",)
-) -> list[Path]:
-    """Draw an atlas into ``folder``; return the files.
+) -> list[Drawing]:
+    """Draw an atlas into ``folder``; return the figures.
 
     With ankle and hip as axes: the limits of standing (one curve a knee, small multiples over body
     size), a map of each quantity on that plane with the limit of standing, and for
@@ -46,51 +55,53 @@ def plot(
         atlas[name]
     wanted = tuple(quantities) or atlas.quantities
     stem = folder / atlas.path.name.removesuffix(".h5")
-    written: list[Path] = []
-    if has_plane(atlas.study) and not quantities:
-        written += limits_of_standing(atlas.study, stem.with_name(f"{stem.name}-limits"), formats)
+    drawn: list[Drawing] = []
+    if has_plane(atlas.study) and (not quantities or "stable" in quantities):
+        path = stem.with_name(f"{stem.name}-limits")
+        drawn.append(limits_of_standing(atlas.study, path, formats))
     for name in wanted:
         variable = atlas[name]
         path = stem.with_name(f"{stem.name}-{name}")
-        if set(PLANE) <= set(variable.dims):
-            if name == "stable":
-                continue
-            written += _plane_figure(atlas, name, path, formats)
+        if set(PLANE) <= set(variable.dims) and has_plane(atlas.study):
+            if name != "stable":  # the limits show it
+                drawn.append(_plane_figure(atlas, name, path, formats))
         elif variable.dims and variable.dims != ("body_model",):
-            written += _curve_figure(atlas, name, path, formats)
-    if not written:
+            drawn.append(_curve_figure(atlas, name, path, formats))
+    if not drawn:
         raise InputError(f"{atlas.path} has no axis to draw {' or '.join(wanted)} along")
-    return written
+    return drawn
 
 
-def limits_of_standing(study: Study, stem: Path, formats: Sequence[str]) -> list[Path]:
+def limits_of_standing(study: Study, stem: Path, formats: Sequence[str]) -> Drawing:
     """Draw the limits of standing in closed form: ankle × hip, one curve a knee stiffness."""
-    panels: dict[str, dict[str, tuple[np.ndarray, np.ndarray]]] = {}
     others = [name for name in study.axes if name not in (*PLANE, KNEE)]
     chosen = _thinned(study, others, MOST_PANELS)
     knees = _thinned(study, [KNEE] if KNEE in study.axes else [], MOST_CURVES)
-    for contour in contours(study):
-        index = contour.place.index
-        if any(index[name] not in kept for name, kept in {**chosen, **knees}.items()):
-            continue
-        panel = panels.setdefault(_title(contour, others), {})
-        panel[_knee_name(contour.place.knee, first=not panel)] = (contour.ankle, contour.hip)
+    panels: dict[tuple[int, ...], tuple[str, dict[str, tuple[np.ndarray, np.ndarray]]]] = {}
+    for contour in contours(study, {**chosen, **knees}):
+        place = tuple(contour.place.index[name] for name in others)
+        _, curves = panels.setdefault(place, (_title(study, contour, others), {}))
+        curves[_knee_name(study, contour.place.knee, first=not curves)] = (
+            contour.ankle,
+            contour.hip,
+        )
     limits = {name: _limits(study.axes[name]) for name in PLANE}
-    rows, columns = _layout(len(panels))
+    rows, columns = _layout(len(panels), chosen)
     size = {"width": figures.COLUMN, "height": 3.0} if len(panels) == 1 else _page(rows)
     with figures.paper_figure(panels=(rows, columns), shared=True, **size) as (figure, axes):
         for ax in axes[len(panels) :]:
             ax.set_axis_off()
-        for ax, (title, curves) in zip(axes, panels.items(), strict=False):
+        for ax, (title, curves) in zip(axes, panels.values(), strict=False):
             figures.stability_contours(
                 ax, curves, ankle_limits=limits[ANKLE], hip_limits=limits[HIP]
             )
             ax.set_title(title)
             ax.label_outer()
-        return figures.save(figure, stem, formats)
+        left_out = _left_out(study, {**chosen, **knees})
+        return Drawing(figures.save(figure, stem, formats), left_out)
 
 
-def _plane_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -> list[Path]:
+def _plane_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -> Drawing:
     """Draw a quantity on planes of ankle × hip, small multiples over the other axes."""
     study, variable = atlas.study, atlas[name]
     others = [axis for axis in variable.dims if axis not in PLANE]
@@ -99,10 +110,10 @@ def _plane_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -
     ankles, hips = (study.axes[axis][:: step[axis]] for axis in PLANE)
     shown = np.ix_(np.isfinite(hips), np.isfinite(ankles))
     planes = []
-    for contour in contours(study):
+    # the axes on which this quantity does not depend are taken at their first value
+    first = {axis: {0} for axis in study.axes if axis not in variable.dims}
+    for contour in contours(study, {**first, **chosen}):
         index = contour.place.index
-        if any(index[axis] not in chosen.get(axis, {0}) for axis in index):
-            continue
         piece = variable[
             tuple(
                 slice(None, None, step[axis]) if axis in PLANE else index[axis]
@@ -110,9 +121,9 @@ def _plane_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -
             )
         ]
         over_hip = piece.T if variable.dims.index(ANKLE) < variable.dims.index(HIP) else piece
-        planes.append((_title(contour, others), contour, over_hip[shown]))
+        planes.append((_title(study, contour, others), contour, over_hip[shown]))
     ankles, hips = ankles[np.isfinite(ankles)], hips[np.isfinite(hips)]
-    rows, columns = _layout(len(planes))
+    rows, columns = _layout(len(planes), chosen)
     size = {"width": figures.COLUMN, "height": 2.9} if len(planes) == 1 else _page(rows)
     limits = _colour_limits([values for _, _, values in planes])
     with figures.paper_figure(panels=(rows, columns), shared=True, **size) as (figure, axes):
@@ -120,27 +131,25 @@ def _plane_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -
         for ax in axes[len(planes) :]:
             ax.set_axis_off()
         for ax, (title, contour, values) in zip(axes, planes, strict=False):
-            if name == "hip_ankle_ratio":
-                stable = _above(contour, ankles, hips)
+            # a critical knee stiffness holds for all knees, a limit of standing for one
+            crossed = KNEE in variable.dims or KNEE not in study.axes
+            stable = _above(contour, ankles, hips) if crossed else None
+            if name == "hip_ankle_ratio" and stable is not None:
                 figures.strategy_regions(ax, ankles, hips, values, stable)
             else:
-                # a critical knee stiffness holds for all knees, a limit of standing for one
-                crossed = KNEE in variable.dims or KNEE not in study.axes
-                neutral = [np.column_stack([contour.ankle, contour.hip])] if crossed else []
-                mesh = figures.quantity_map(
-                    ax, ankles, hips, values, limits=limits, neutral=neutral
-                )
+                mesh = figures.quantity_map(ax, ankles, hips, values, limits=limits, stable=stable)
                 ax.set_xlabel(PARAMETERS[ANKLE].label)
                 ax.set_ylabel(PARAMETERS[HIP].label)
             ax.set_title(title)
             ax.label_outer()
         if mesh is not None:
             bar = figure.colorbar(mesh, ax=axes, shrink=0.8, extend="both")
-            bar.set_label(QUANTITIES[name].label)
-        return figures.save(figure, stem, formats)
+            hatched = ", hatched: falls" if KNEE in variable.dims or KNEE not in study.axes else ""
+            bar.set_label(f"{QUANTITIES[name].label}{hatched}")
+        return Drawing(figures.save(figure, stem, formats), _left_out(study, chosen))
 
 
-def _curve_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -> list[Path]:
+def _curve_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -> Drawing:
     """Draw a quantity along its longest numeric axis, a few curves over the second."""
     study, variable = atlas.study, atlas[name]
     numeric = [axis for axis in variable.dims if axis != "body_model"]
@@ -157,24 +166,27 @@ def _curve_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -
             slice(None) if axis == along else at if axis == second else middle[axis]
             for axis in variable.dims
         )
-        words = _words(second, study.axes[second][at]) if second else QUANTITIES[name].label
+        words = _words(study, second, study.axes[second][at]) if second else QUANTITIES[name].label
         curve = variable[index][finite].astype(float)
         curves[words] = np.where(np.isfinite(curve), curve, np.nan)
-    with figures.paper_figure() as (figure, (ax,)):
+    with figures.paper_figure(height=3.1) as (figure, (ax,)):
         figures.quantity_curves(
             ax, values[finite], curves, label=QUANTITIES[name].label, axis=along
         )
         rest = [axis for axis in others if axis != second]
-        ax.set_title(", ".join(_words(axis, study.axes[axis][middle[axis]]) for axis in rest))
-        return figures.save(figure, stem, formats)
+        ax.set_title(
+            ", ".join(_words(study, axis, study.axes[axis][middle[axis]]) for axis in rest)
+        )
+        if len(curves) > 1:
+            handles, labels = ax.get_legend_handles_labels()
+            figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
+        shown = {**kept, **{axis: {middle[axis]} for axis in rest}}
+        return Drawing(figures.save(figure, stem, formats), _left_out(study, shown))
 
 
 def _above(contour: Contour, ankles: np.ndarray, hips: np.ndarray) -> np.ndarray:
-    """Return where on a grid (hip, ankle) the person stands, from the curve in closed form."""
-    if contour.ankle.size == 0:
-        return np.zeros((hips.size, ankles.size), bool)
-    needed = np.interp(ankles, contour.ankle, contour.hip, left=np.inf)
-    above: np.ndarray = hips[:, None] > needed[None, :]
+    """Return where on a grid (hip, ankle) the person stands, in closed form."""
+    above: np.ndarray = hips[:, None] > hips_needed(contour.place, ankles)[None, :]
     return above
 
 
@@ -190,25 +202,46 @@ def _thinned(study: Study, axes: Sequence[str], most: int) -> dict[str, set[int]
     }
 
 
-def _title(contour: Contour, axes: Sequence[str]) -> str:
-    return ", ".join(_words(axis, contour.place.values[axis]) for axis in axes)
+def _left_out(study: Study, shown: Mapping[str, set[int]]) -> str:
+    """Say which axes are shown at fewer values than the study has."""
+    words = [
+        f"{axis} at {len(kept)} of {len(study.axes[axis])} values"
+        for axis, kept in shown.items()
+        if len(kept) < len(study.axes[axis])
+    ]
+    return f"shows {', '.join(words)}" if words else ""
 
 
-def _words(axis: str, value: Any) -> str:
+def _title(study: Study, contour: Contour, axes: Sequence[str]) -> str:
+    words = [_words(study, axis, contour.place.values[axis]) for axis in axes]
+    lines = [", ".join(words[i : i + 2]) for i in range(0, len(words), 2)]
+    return "\n".join(lines)
+
+
+def _words(study: Study, axis: str, value: Any) -> str:
     if axis == "body_model":
         return str(value)
     row = PARAMETERS[axis]
     name = f"${row.symbol}$" if row.symbol else axis.upper()
     if np.isinf(value):
         return f"{name} rigid"
-    unit = "" if axis.endswith("stiffness") else f" {row.unit}"
-    return f"{name} = {value:.4g}{unit}"
+    return f"{name} = {_digits(study, axis, value)} {row.unit}"
 
 
-def _knee_name(knee: float, *, first: bool) -> str:
+def _digits(study: Study, axis: str, value: float) -> str:
+    """Write a value with as few digits as tell it from all others of its axis."""
+    values = study.axes.get(axis, np.array([value]))
+    shown = next(
+        (n for n in (4, 6, 8, 12) if len({f"{v:.{n}g}" for v in values}) == len(values)), 17
+    )
+    return f"{value:.{shown}g}"
+
+
+def _knee_name(study: Study, knee: float, *, first: bool) -> str:
     if math.isinf(knee):
         return "$K_k$ rigid"
-    return f"$K_k$ = {knee:.4g}" if first else f"{knee:.4g}"
+    digits = _digits(study, KNEE, knee)
+    return f"$K_k$ = {digits}" if first else digits
 
 
 def _limits(values: np.ndarray) -> tuple[float, float]:
@@ -225,10 +258,12 @@ def _colour_limits(planes: Sequence[np.ndarray]) -> tuple[float, float]:
     return (float(low), float(high)) if low < high else (float(low) - 0.5, float(high) + 0.5)
 
 
-def _layout(panels: int) -> tuple[int, int]:
-    columns = min(3, panels)
-    return -(-panels // max(columns, 1)), max(columns, 1)
+def _layout(panels: int, chosen: Mapping[str, set[int]]) -> tuple[int, int]:
+    """Return rows and columns: the last axis from left to right if that fits the page."""
+    last = len(list(chosen.values())[-1]) if chosen else 1
+    columns = last if 2 <= last <= 4 else max(1, min(3, panels))
+    return max(1, -(-panels // columns)), columns
 
 
 def _page(rows: int) -> dict[str, float]:
-    return {"width": PAGE, "height": 0.6 + 2.1 * rows}
+    return {"width": PAGE, "height": 0.6 + 2.2 * rows}

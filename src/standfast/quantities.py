@@ -190,9 +190,16 @@ QUANTITIES = {
 }
 
 
+# Words that are not near in letters to what they mean.
+SYNONYMS = {"weight": "mass", "size": "height", "length": "height", "g": "gravity"}
+
+
 def nearest_name(given: object, names: Iterable[str]) -> str:
     """Return ``"; did you mean 'x'?"`` for a near miss, else an empty string."""
-    close = difflib.get_close_matches(str(given), list(names), n=1, cutoff=0.5)
+    names = list(names)
+    if SYNONYMS.get(str(given)) in names:
+        return f"; did you mean {SYNONYMS[str(given)]!r}?"
+    close = difflib.get_close_matches(str(given), names, n=1, cutoff=0.5)
     return f"; did you mean {close[0]!r}?" if close else ""
 
 
@@ -230,7 +237,7 @@ def checked_number(name: str, value: Any, *, row: Parameter | None = None) -> fl
 def _likely(row: Parameter, number: float) -> str:
     """Guess the slip of units behind a number out of range."""
     for factor, unit in ((100.0, "centimetres"), (1000.0, "millimetres")):
-        if row.name == "height" and row.lowest <= number / factor <= row.highest:
+        if row.name == "height" and 1.0 <= number / factor <= row.highest:
             return f"; {number:g} looks like {unit}, write {number / factor:g}"
     if row.name == "mass" and row.lowest <= number / 1000.0 <= row.highest:
         return f"; {number:g} looks like grams, write {number / 1000.0:g}"

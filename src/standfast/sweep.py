@@ -1,5 +1,6 @@
 """The loop: what no shard covers goes through the engine, is compressed in threads and stored."""
 
+import contextlib
 import json
 import math
 import os
@@ -33,10 +34,14 @@ Packed = tuple[Tile, tuple[bytes, ...]]
 # Tiles computed ahead of those being compressed, for each thread that compresses.
 AHEAD = 2
 
+# Tiles of each group that the forecast computes, and what a file needs beside its chunks.
+SAMPLED = 8
+LAYOUT_BYTES = 40_000
+
 
 @dataclass(frozen=True, slots=True)
 class Forecast:
-    """What a run will take, estimated from three tiles of each group."""
+    """What a run will take, estimated from some tiles of each group, once they are compiled."""
 
     points: int
     disk_bytes: int
@@ -82,33 +87,40 @@ def sweep(
     from standfast.store import Workplace, open_atlas  # noqa: PLC0415 - imports h5py
 
     output = Path(output)
+    if threads is not None and threads < 1:
+        raise InputError(f"threads = {threads} is not a number of threads; give 1 or more")
     if part is not None and not 1 <= part[0] <= part[1]:
         raise InputError(f"part = {part[0]}/{part[1]} is not a share; give i/N with 1 ≤ i ≤ N")
     if output.exists():
         return _already_there(study, open_atlas(output))
     began = time.perf_counter()
     with Workplace.enter(output, study, __version__, part=part) as place:
-        if output.exists():  # another run finished it while this one waited for its lock
+        if output.exists():  # another run finished it just before this one took the lock
             return _already_there(study, open_atlas(output))
         missing = place.missing()
         if part is not None:
             missing = [number for number in missing if number % part[1] == part[0] - 1]
+        values = sum(_points(study, tile) for number in missing for tile in study.shard(number))
         if missing:
             _compute(study, place, missing, threads or os.cpu_count() or 1, progress, announce)
         if part is not None:
             return None
         place.finish()
-    _write_story(study, output, __version__, time.perf_counter() - began, len(missing))
+    with contextlib.suppress(OSError):  # the atlas is whole; its story is a courtesy
+        _write_story(study, output, __version__, time.perf_counter() - began, values)
     return open_atlas(output)
 
 
 def _already_there(study: Study, atlas: "Atlas") -> "Atlas":
     """Return the finished atlas of this very study; refuse any other."""
+    from standfast.store import tidy_up_after  # noqa: PLC0415 - imports h5py
+
     if atlas.study.fingerprint != study.fingerprint:
         raise InputError(
             f"{atlas.path} is the atlas of another study ({study.difference(atlas.study)}); "
             "choose another output or move it away"
         )
+    tidy_up_after(atlas.path, study)
     return atlas
 
 
@@ -178,25 +190,22 @@ def _pack(study: Study, tile: Tile, arrays: tuple[np.ndarray, ...]) -> tuple[byt
 
 
 def _forecast(study: Study, evaluate: Evaluate, folder: Path, total: int) -> Forecast:
-    """Compute the first, middle and last tile of each group and take them for the rest."""
+    """Compute some tiles of each group, evenly spread, and take them for the rest."""
     seconds = size = 0.0
     for index, group in enumerate(study.groups):
         count = group.tile_count
-        sample = sorted({0, count // 2, count - 1})
+        sample = sorted({i * (count - 1) // (SAMPLED - 1) for i in range(SAMPLED)})
+        evaluate(study.tile(index, 0))  # compiles
         for number in sample:
             tile = study.tile(index, number)
-            evaluate(tile)  # compiles
             began = time.perf_counter()
             size += sum(map(len, _pack(study, tile, evaluate(tile)))) * count / len(sample)
             seconds += (time.perf_counter() - began) * count / len(sample)
     share = total / study.points
     # shards and the finished file are on the disk together for a moment
-    return Forecast(
-        points=total,
-        disk_bytes=int(size * (1.0 + share)),
-        seconds=seconds * share,
-        free_bytes=shutil.disk_usage(folder).free,
-    )
+    stored = size + LAYOUT_BYTES
+    shards = size * share + LAYOUT_BYTES * len(study.shards)
+    return Forecast(total, int(stored + shards), seconds * share, shutil.disk_usage(folder).free)
 
 
 def _points(study: Study, tile: Tile) -> int:
@@ -211,15 +220,15 @@ def _points(study: Study, tile: Tile) -> int:
     return math.prod(inside) * len(group.quantities)
 
 
-def _write_story(study: Study, output: Path, version: str, seconds: float, shards: int) -> None:
+def _write_story(study: Study, output: Path, version: str, seconds: float, values: int) -> None:
     """Tell the run's story beside the file: what may differ from run to run."""
     story = {
         "study": study.title,
         "study_sha256": study.fingerprint,
         "values": study.points,
         "seconds": round(seconds, 3),
-        "values_per_second": round(study.points / seconds),
-        "shards_computed": shards,
+        "values_computed_in_this_run": values,
+        "values_per_second": round(values / seconds),
         "shards": len(study.shards),
         "bytes_before_compression": study.raw_bytes,
         "bytes": output.stat().st_size,

@@ -8,10 +8,9 @@ a stored atlas carries the measure of its own resolution.
 
 import contextlib
 import csv
-import io
 import itertools
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -51,8 +50,9 @@ class Contour:
     """The limit of standing on one plane.
 
     ``ankle`` and ``hip`` are the curve in closed form; ``lines`` what an atlas shows, as arrays
-    (n, 2) of ankle and hip; ``distance`` the greatest and mean distance of its points from the
-    closed form along the ankle's axis, and ``resolution`` the step of the grid there.
+    (n, 2) of ankle and hip; ``greatest`` and ``mean`` the distance of its points from the closed
+    form, along the ankle's axis or the hip's, whichever is less; ``resolution`` the greatest step
+    of the grid along that axis at those points.
     """
 
     place: Place
@@ -64,27 +64,46 @@ class Contour:
     resolution: float = np.nan
 
 
-def places(study: Study) -> Iterator[Place]:
-    """Go through all planes of ankle × hip of a study, in its order."""
+def places(study: Study, only: Mapping[str, set[int]] | None = None) -> Iterator[Place]:
+    """Go through the planes of ankle × hip of a study, in its order.
+
+    ``only`` keeps those whose index along an axis is in a set.
+    """
     others = [name for name in study.axes if name not in PLANE]
-    for index in itertools.product(*(range(len(study.axes[name])) for name in others)):
-        values = {name: study.axes[name][i] for name, i in zip(others, index, strict=True)}
-        given = {**study.fixed, **values}
-        reference = REFERENCE_PEOPLE[str(given["body_model"])]
-        height = float(given["height"])
-        mass = float(given["mass"]) if "mass" in given else float(given["bmi"]) * height**2
-        yield Place(
-            rescaled(reference.body, height / reference.height, mass / reference.mass),
-            float(given["gravity"]),
-            float(given.get(KNEE, np.nan)),
-            values,
-            dict(zip(others, index, strict=True)),
-        )
+    kept = only or {}
+    ranges = (
+        [i for i in range(len(study.axes[name])) if i in kept.get(name, {i})] for name in others
+    )
+    for index in itertools.product(*ranges):
+        yield place_at(study, dict(zip(others, index, strict=True)))
+
+
+def place_at(study: Study, index: Mapping[str, int]) -> Place:
+    """Return the plane of ankle × hip at an index of the other axes."""
+    values = {name: study.axes[name][i] for name, i in index.items()}
+    given = {**study.fixed, **values}
+    reference = REFERENCE_PEOPLE[str(given["body_model"])]
+    height = float(given["height"])
+    mass = float(given["mass"]) if "mass" in given else float(given["bmi"]) * height**2
+    return Place(
+        rescaled(reference.body, height / reference.height, mass / reference.mass),
+        float(given["gravity"]),
+        float(given.get(KNEE, np.nan)),
+        values,
+        index,
+    )
 
 
 def has_plane(study: Study) -> bool:
-    """Return whether ankle and hip are both axes of a study."""
-    return all(name in study.axes for name in PLANE)
+    """Return whether ankle and hip are axes of a study, each with two finite values or more."""
+    return all(name in study.axes and _finite(study.axes[name]).size > 1 for name in PLANE)
+
+
+def hips_needed(place: Place, ankles: np.ndarray) -> np.ndarray:
+    """Return the hip stiffness at which the person just stands, for each ankle stiffness."""
+    return np.array(
+        [float(critical_hip_stiffness(place.body, k, place.knee, place.gravity)) for k in ankles]
+    )
 
 
 def closed_form(study: Study, place: Place) -> tuple[np.ndarray, np.ndarray]:
@@ -96,9 +115,7 @@ def closed_form(study: Study, place: Place) -> tuple[np.ndarray, np.ndarray]:
     at_hips = [
         float(critical_ankle_stiffness(place.body, place.knee, k, place.gravity)) for k in hips
     ]
-    at_ankles = [
-        float(critical_hip_stiffness(place.body, k, place.knee, place.gravity)) for k in ankles
-    ]
+    at_ankles = hips_needed(place, ankles)
     ankle = np.concatenate([at_hips, ankles])
     hip = np.concatenate([hips, at_ankles])
     inside = (ankle >= ankles[0]) & (ankle <= ankles[-1]) & (hip >= hips[0]) & (hip <= hips[-1])
@@ -106,16 +123,18 @@ def closed_form(study: Study, place: Place) -> tuple[np.ndarray, np.ndarray]:
     return ankle[inside][order], hip[inside][order]
 
 
-def contours(study: Study) -> Iterator[Contour]:
+def contours(study: Study, only: Mapping[str, set[int]] | None = None) -> Iterator[Contour]:
     """Go through the limits of standing of a study in closed form, plane by plane.
+
+    ``only`` as in :func:`places`.
 
     Raises
     ------
     InputError
-        if ankle or hip is not an axis.
+        if ankle or hip is not an axis with two finite values or more.
     """
     _require_plane(study)
-    for place in places(study):
+    for place in places(study, only):
         yield Contour(place, *closed_form(study, place))
 
 
@@ -136,14 +155,13 @@ def extracted(atlas: Atlas) -> Iterator[Contour]:
     ankles, hips = (study.axes[name] for name in PLANE)
     variable = atlas[source]
     swapped = variable.dims.index(HIP) < variable.dims.index(ANKLE)
-    by_index = {tuple(place.index.values()): place for place in places(study)}
     for index, plane in variable.slabs(along=PLANE):
-        place = by_index[tuple(index.values())]
+        place = place_at(study, index)
         if source == "frequency":
             plane = plane * np.abs(plane)  # noqa: PLW2901 - λ is smooth at the limit, its root is not
         over_ankle_and_hip = plane.T if swapped else plane
         lines = _lines(ankles, hips, over_ankle_and_hip, level)
-        errors, steps = _distances(place, ankles, lines)
+        errors, steps = _distances(place, ankles, hips, lines)
         yield Contour(
             place,
             *closed_form(study, place),
@@ -176,55 +194,61 @@ def source_of(atlas: Atlas) -> tuple[str, float]:
 COLUMNS = ("ankle_stiffness", "hip_stiffness")
 
 
-def as_csv(study: Study, found: list[Contour]) -> str:
-    """Return the closed-form curves as CSV: the other axes, then ankle and hip, point by point."""
-    others = [name for name in study.axes if name not in PLANE]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([_column(name) for name in (*others, *COLUMNS)])
-    for contour in found:
-        head = [contour.place.values[name] for name in others]
-        for ankle, hip in zip(contour.ankle, contour.hip, strict=True):
-            writer.writerow([*head, f"{ankle:.6f}", f"{hip:.6f}"])
-    return text.getvalue()
+def write_tables(study: Study, found: Iterable[Contour], stem: Path) -> list[Path]:
+    """Write ``stem``.csv and ``stem``.h5, each whole or not at all, plane by plane.
 
-
-def write_tables(study: Study, found: list[Contour], stem: Path) -> list[Path]:
-    """Write ``stem``.csv and ``stem``.h5, each whole or not at all.
-
-    The HDF5 file has the group ``thresholds`` and in it a group a plane: ``closed_form`` (n, 2),
-    ``contour`` (m, 2) with ``contour_starts``, and the plane's other parameters as attributes.
+    The CSV has a row a point: the other axes, ankle, hip, and whether the point is of the closed
+    form or of the atlas. The HDF5 file has the group ``thresholds`` and in it a group a plane:
+    ``closed_form`` (n, 2), ``contour`` (m, 2) with ``contour_starts``, and the plane's other
+    parameters as attributes.
 
     Raises
     ------
     OSError
         if the disk does not take them.
     """
-    table, store = stem.with_suffix(".csv"), stem.with_suffix(".h5")
-    with _whole(table) as partial:
-        partial.write_text(as_csv(study, found), encoding="utf-8")
+    others = [name for name in study.axes if name not in PLANE]
+    table = stem.with_name(f"{stem.name}.csv")
+    store = stem.with_name(f"{stem.name}.h5")
     with (
-        _whole(store) as partial,
-        h5py.File(partial, "w", libver=(LIBRARY_VERSION, "latest")) as file,
+        _whole(table) as table_partial,
+        _whole(store) as store_partial,
+        table_partial.open("w", encoding="utf-8", newline="") as text,
+        h5py.File(store_partial, "w", libver=(LIBRARY_VERSION, "latest")) as file,
     ):
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow([*(_column(name) for name in (*others, *COLUMNS)), "source"])
         file.attrs["title"] = f"Limits of standing: {study.title}"
         file.attrs["study"] = study.canonical
         file.attrs["study_sha256"] = study.fingerprint
         root = file.create_group("thresholds")
         for number, contour in enumerate(found):
-            _write_contour(root.create_group(f"{number:06d}"), contour)
+            writer.writerows(_rows(others, contour))
+            _write_contour(root.create_group(f"{number:06d}"), study, contour)
     return [table, store]
 
 
-def _write_contour(group: h5py.Group, contour: Contour) -> None:
-    for name, value in {**contour.place.values, "gravity": contour.place.gravity}.items():
+def _rows(others: list[str], contour: Contour) -> Iterator[list[Any]]:
+    """Go through the points of a plane's curves as rows of the table."""
+    head = [contour.place.values[name] for name in others]
+    curve = np.column_stack([contour.ankle, contour.hip])
+    for source, points in (("closed form", curve), *(("atlas", at) for at in contour.lines)):
+        for ankle, hip in points:
+            yield [*head, f"{ankle:.6f}", f"{hip:.6f}", source]
+
+
+def _write_contour(group: h5py.Group, study: Study, contour: Contour) -> None:
+    for name, value in {**study.fixed, **contour.place.values}.items():
         group.attrs[name] = str(value) if name == "body_model" else float(value)
-    curve = group.create_dataset("closed_form", data=np.column_stack([contour.ankle, contour.hip]))
-    curve.attrs["columns"] = ", ".join(COLUMNS)
-    curve.attrs["units"] = PARAMETERS[ANKLE].unit
+    curves = {"closed_form": np.column_stack([contour.ankle, contour.hip])}
+    if contour.lines:
+        curves["contour"] = np.concatenate(contour.lines)
+    for name, points in curves.items():
+        curve = group.create_dataset(name, data=points)
+        curve.attrs["columns"] = ", ".join(COLUMNS)
+        curve.attrs["units"] = PARAMETERS[ANKLE].unit
     if contour.lines:
         lengths = [len(line) for line in contour.lines]
-        group.create_dataset("contour", data=np.concatenate(contour.lines))
         group.create_dataset("contour_starts", data=np.cumsum([0, *lengths[:-1]]))
         group.attrs["greatest_distance"] = contour.greatest
         group.attrs["mean_distance"] = contour.mean
@@ -257,27 +281,34 @@ def _lines(
 
 
 def _distances(
-    place: Place, ankles: np.ndarray, lines: list[np.ndarray]
+    place: Place, ankles: np.ndarray, hips: np.ndarray, lines: list[np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return how far the points of lines lie from the closed form, and the grid's steps there.
 
-    Measured along the ankle's axis where the curve is flat in it, along the hip's where it is
-    steep: whichever is nearer, as for a curve drawn on paper.
+    Measured along the ankle's axis or the hip's, whichever is nearer.
     """
-    points = np.concatenate(lines) if lines else np.empty((0, 2))
-    errors = []
-    for ankle, hip in points:
-        along_ankle = abs(
-            ankle - float(critical_ankle_stiffness(place.body, place.knee, hip, place.gravity))
-        )
-        along_hip = abs(
-            hip - float(critical_hip_stiffness(place.body, ankle, place.knee, place.gravity))
-        )
-        errors.append(min(along_ankle, along_hip))
-    finite = _finite(ankles)
-    steps = np.diff(finite)
-    at = np.clip(np.searchsorted(finite, points[:, 0]) - 1, 0, max(steps.size - 1, 0))
-    return np.array(errors), steps[at] if steps.size else np.empty(0)
+    if not lines:
+        return np.empty(0), np.empty(0)
+    points = np.concatenate(lines)
+    needed = [
+        float(critical_ankle_stiffness(place.body, place.knee, hip, place.gravity))
+        for hip in points[:, 1]
+    ]
+    away = np.abs(points - np.column_stack([needed, hips_needed(place, points[:, 0])]))
+    nearer = np.argmin(away, axis=1)
+    steps = np.column_stack(
+        [_step_at(values, at) for values, at in zip((ankles, hips), points.T, strict=True)]
+    )
+    rows = np.arange(len(points))
+    return away[rows, nearer], steps[rows, nearer]
+
+
+def _step_at(values: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Return the step of an axis around each of some values."""
+    finite = _finite(values)
+    places = np.searchsorted(finite, at) - 1
+    steps: np.ndarray = np.diff(finite)[np.clip(places, 0, finite.size - 2)]
+    return steps
 
 
 def _require_plane(study: Study) -> None:
@@ -285,7 +316,12 @@ def _require_plane(study: Study) -> None:
         if name not in study.axes:
             raise InputError(
                 f"thresholds are curves over ankle and hip stiffness, and {name} is no axis of "
-                f"this study; give it a list or a range"
+                "this study; give it a list or a range"
+            )
+        if _finite(study.axes[name]).size < 2:
+            raise InputError(
+                f"thresholds are curves over ankle and hip stiffness, and {name} has fewer than "
+                "two finite values in this study"
             )
 
 

@@ -7,7 +7,7 @@ import json
 import os
 import shlex
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,7 @@ from standfast.quantities import PARAMETERS, QUANTITIES, InputError, in_bytes
 
 if TYPE_CHECKING:
     from standfast.study import Study
+    from standfast.thresholds import Contour
 
 DONE, FAILED, WRONG_INPUT = 0, 1, 2
 
@@ -28,6 +29,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options.run(options)
     except InputError as error:
         return _complain(str(error), WRONG_INPUT)
+    except BrokenPipeError:  # the reader of a pipe has seen enough
+        sys.stdout = None
+        return DONE
     except StoppedError as stop:
         return _complain(str(stop), FAILED)
     except OSError as error:
@@ -44,7 +48,13 @@ def run() -> None:
         if isinstance(stream, io.TextIOWrapper):  # a console without Greek letters shows "?"
             stream.reconfigure(errors="replace")
     os.environ["MPLBACKEND"] = "agg"  # figures go to files, whatever the user's screen
-    sys.exit(main())
+    code = main()
+    if code == FAILED:
+        # threads of an interrupted run must not meet the interpreter taking itself apart
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+    sys.exit(code)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -226,24 +236,40 @@ def _thresholds(options: argparse.Namespace) -> None:
         from standfast.study import Study
 
         study = Study.from_toml(source)
-        found = list(thresholds.contours(study))
+        found = thresholds.contours(study)
     else:
         from standfast.store import open_atlas
 
         atlas = open_atlas(source)
         study = atlas.study
-        found = list(thresholds.extracted(atlas))
-        name, _ = thresholds.source_of(atlas)
-        print(f"{len(found)} planes of ankle × hip, contours of {name}")
-        for contour in found:
-            where = ", ".join(f"{key} {value}" for key, value in contour.place.values.items())
-            print(
-                f"  {where or 'the plane'}: distance from closed form at most "
-                f"{contour.greatest:.3g}, mean {contour.mean:.3g} N·m/rad "
-                f"(step of the grid {contour.resolution:.3g})"
-            )
+        print(f"contours of {thresholds.source_of(atlas)[0]}, plane by plane:")
+        found = _told(thresholds.extracted(atlas))
     written = thresholds.write_tables(study, found, folder / f"{source.stem}-thresholds")
     print(f"Written to {folder}: {', '.join(path.name for path in written)}")
+
+
+MOST_LINES = 20
+
+
+def _told(found: Iterator["Contour"]) -> Iterator["Contour"]:
+    """Hand contours on and say how far each lies from the closed form, the first ones in full."""
+    count, greatest = 0, 0.0
+    for contour in found:
+        count += 1
+        crossed = bool(contour.lines)
+        greatest = max(greatest, contour.greatest) if crossed else greatest
+        if count <= MOST_LINES:
+            where = ", ".join(f"{key} {value}" for key, value in contour.place.values.items())
+            far = (
+                f"distance from closed form at most {contour.greatest:.3g}, mean "
+                f"{contour.mean:.3g} N·m/rad (step of the grid {contour.resolution:.3g})"
+                if crossed
+                else "no limit of standing on it"
+            )
+            print(f"  {where or 'the plane'}: {far}")
+        yield contour
+    if count > MOST_LINES:
+        print(f"  … {count} planes in all, distance at most {greatest:.3g} N·m/rad")
 
 
 def _plot(options: argparse.Namespace) -> None:
@@ -252,8 +278,11 @@ def _plot(options: argparse.Namespace) -> None:
 
     atlas = open_atlas(options.atlas)
     folder = _folder(options.output)
-    written = plot(atlas, folder, quantities=options.quantity, formats=options.format or ("png",))
-    print(f"Written to {folder}: {', '.join(path.name for path in written)}")
+    drawn = plot(atlas, folder, quantities=options.quantity, formats=options.format or ("png",))
+    print(f"Written to {folder}:")
+    for drawing in drawn:
+        note = f"   ({drawing.left_out})" if drawing.left_out else ""
+        print(f"  {', '.join(path.name for path in drawing.paths)}{note}")
 
 
 def _info(options: argparse.Namespace) -> None:

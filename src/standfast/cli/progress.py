@@ -21,16 +21,19 @@ def progress_bar() -> Iterator[tuple[Callable[[Any], None], Callable[[int, int],
     """Give a forecast and a bar on a terminal, plain lines elsewhere."""
     console = Console(stderr=True)
 
+    began = time.monotonic()
+
     def announce(forecast: Any) -> None:
+        nonlocal began
+        began = time.monotonic()  # what was before was compiling
         if forecast.seconds >= WORTH_A_FORECAST:
             console.print(
                 f"{forecast.points:,} values to compute, about {in_bytes(forecast.disk_bytes)} on "
-                f"disk at most ({in_bytes(forecast.free_bytes)} free), "
+                f"disk until it is finished ({in_bytes(forecast.free_bytes)} free), "
                 f"about {forecast.seconds:.0f} s",
                 highlight=False,
             )
 
-    began = time.monotonic()
     if not console.is_terminal:
         last = 0
 
@@ -55,7 +58,7 @@ def progress_bar() -> Iterator[tuple[Callable[[Any], None], Callable[[int, int],
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task("", total=None, rate="")
+        task = bar.add_task("", total=None, rate="compiling")
 
         def advance(done: int, total: int) -> None:
             rate = done / max(time.monotonic() - began, 1e-9)

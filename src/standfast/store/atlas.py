@@ -59,9 +59,12 @@ class Atlas:
             if xarray or h5netcdf is not installed.
         """
         try:
+            import h5netcdf  # noqa: F401, PLC0415 - an extra, which xarray reads with
             import xarray  # noqa: PLC0415 - an extra
-        except ImportError:
-            raise InputError("to_xarray needs xarray: pip install 'standfast[xarray]'") from None
+        except ImportError as error:
+            raise InputError(
+                f"to_xarray needs {error.name}: pip install 'standfast[xarray]'"
+            ) from None
         return xarray.open_dataset(self.path, engine="h5netcdf")
 
 
@@ -158,7 +161,8 @@ def open_atlas(path: str | Path) -> Atlas:
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}") from None
     if signature != HDF5_SIGNATURE:
-        raise InputError(f"{path} is not an HDF5 file")
+        hint = "; it looks like a study, sweep it first" if path.suffix == ".toml" else ""
+        raise InputError(f"{path} is not an HDF5 file{hint}")
     with _opened(path) as file:
         if said(file, "format") != FORMAT:
             raise InputError(f"{path} is HDF5, but not an atlas of standfast")
@@ -257,11 +261,13 @@ def _items(index: Any, count: int) -> tuple[Any, ...] | None:
     items = index if isinstance(index, tuple) else (index,)
     if sum(item is Ellipsis for item in items) > 1:
         return None
-    if Ellipsis in items:
-        at = items.index(Ellipsis)
+    at = next((n for n, item in enumerate(items) if item is Ellipsis), None)
+    if at is not None:
         items = items[:at] + (slice(None),) * (count - len(items) + 1) + items[at + 1 :]
     items = items + (slice(None),) * (count - len(items))
-    plain = all(isinstance(item, slice | int | np.integer) for item in items)
+    plain = all(
+        isinstance(item, slice | int | np.integer) and not isinstance(item, bool) for item in items
+    )
     return items if plain and len(items) == count else None
 
 

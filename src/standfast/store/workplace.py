@@ -5,13 +5,13 @@ covers. The finished name appears by one rename of a synced file, or not at all.
 """
 
 import contextlib
+import errno
 import fcntl
 import os
 import shutil
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO
 
 import h5py
 from isal import isal_zlib
@@ -31,6 +31,7 @@ from standfast.study import Study
 
 STUDY_FILE = "study.json"
 LOCK_FILE = "lock"
+ATTEMPTS = 20
 
 
 class BusyError(InputError):
@@ -64,38 +65,41 @@ class Workplace:
         OSError
             if the folder cannot be made.
         """
-        folder = parts_of(target)
         if not target.parent.is_dir():
             raise InputError(f"{target.parent} is not a folder; make it first, or name another")
-        folder.mkdir(exist_ok=True)
+        folder = parts_of(target)
         with contextlib.ExitStack() as locks:
             kind = fcntl.LOCK_EX if part is None else fcntl.LOCK_SH
             locks.enter_context(_locked(folder / LOCK_FILE, kind, target))
             if part is not None:
                 name = f"{LOCK_FILE}-{part[0]}-of-{part[1]}"
                 locks.enter_context(_locked(folder / name, fcntl.LOCK_EX, target))
+            else:
+                for leftover in folder.glob(".*.partial"):  # of runs that were killed
+                    leftover.unlink(missing_ok=True)
             place = cls(target, study, version, folder)
             place._claim()
             yield place
 
     def _claim(self) -> None:
-        """Write the study down, or compare with the one that is there."""
+        """Write the study down, or compare with the one that is there.
+
+        A study file that cannot be read is written again: shards carry the fingerprint themselves.
+        """
         path = self.folder / STUDY_FILE
-        with contextlib.suppress(FileNotFoundError):
-            text = path.read_text(encoding="utf-8")
-            if text == self.study.canonical:
-                return
-            try:
-                change = self.study.difference(Study.from_canonical(text))
-            except InputError:
-                change = f"{path.name} there is not a study"
+        there = _study_in(path)
+        if there is None:
+            partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+            partial.write_text(self.study.canonical, encoding="utf-8")
+            _sync_file(partial)
+            partial.replace(path)
+            sync_folder(self.folder)
+        elif there.fingerprint != self.study.fingerprint:
             raise InputError(
-                f"{self.folder} holds the beginnings of another study ({change}); "
+                f"{self.folder} holds the beginnings of another study "
+                f"({self.study.difference(there)}); "
                 "finish that one, remove the folder, or choose another output"
             )
-        partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
-        partial.write_text(self.study.canonical, encoding="utf-8")
-        partial.replace(path)
 
     def missing(self) -> list[int]:
         """Return the shards that no valid file covers."""
@@ -109,12 +113,6 @@ class Workplace:
         """Write one shard."""
         write_shard(self.folder, self.study, self.version, number, packed)
 
-    def _all_chunks(self) -> Iterator[Packed]:
-        """Go through the chunks of all shards in canonical order."""
-        for number in range(len(self.study.shards)):
-            with h5py.File(shard_path(self.folder, number), "r") as shard:
-                yield from read_chunks(shard, self.study, self.study.shard(number))
-
     def finish(self) -> None:
         """Copy all chunks in canonical order into one file, verify, sync, rename, tidy up.
 
@@ -124,11 +122,22 @@ class Workplace:
             if the disk does not take it; the shards stay.
         """
         partial = self.folder / ".atlas.partial"
-        size = sum(
-            shard_path(self.folder, number).stat().st_size
-            for number in range(len(self.study.shards))
-        )
-        _require_room(self.folder, size)
+        shards = (shard_path(self.folder, number) for number in range(len(self.study.shards)))
+        _require_room(self.folder, sum(path.stat().st_size for path in shards))
+        try:
+            self._assemble(partial)
+            _sync_file(partial)
+            partial.replace(self.target)
+        except RuntimeError as error:  # some of HDF5's failures to write
+            reason = str(error).splitlines()[0]
+            raise OSError(errno.EIO, f"HDF5 could not finish ({reason})", str(partial)) from None
+        finally:
+            partial.unlink(missing_ok=True)
+        sync_folder(self.target.parent)
+        _tidy(self.folder)
+
+    def _assemble(self, partial: Path) -> None:
+        """Write the whole atlas under a temporary name and read it back."""
         with h5py.File(partial, "w", libver=(LIBRARY_VERSION, "latest")) as file:
             write_layout(file, self.study, self.version)
             written = _Checksum()
@@ -139,26 +148,13 @@ class Workplace:
             for _ in read_back.of(read_chunks(file, self.study, tiles)):
                 pass
         if read_back.value != written.value:
-            raise OSError(f"{partial} does not read back as it was written; is the disk sound?")
-        _sync_file(partial)
-        partial.replace(self.target)
-        sync_folder(self.target.parent)
-        shutil.rmtree(self.folder)
+            raise OSError(errno.EIO, "the file does not read back as it was written", str(partial))
 
-
-def beginnings(target: Path) -> tuple[Study, int] | None:
-    """Return the study of an unfinished atlas and how many of its shards are there; else None."""
-    folder = parts_of(target)
-    try:
-        study = Study.from_canonical((folder / STUDY_FILE).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, InputError):
-        return None
-    return study, sum(shard_path(folder, n).is_file() for n in range(len(study.shards)))
-
-
-def parts_of(target: Path) -> Path:
-    """Return the folder in which an atlas is made."""
-    return target.with_name(f"{target.name}.parts")
+    def _all_chunks(self) -> Iterator[Packed]:
+        """Go through the chunks of all shards in canonical order."""
+        for number in range(len(self.study.shards)):
+            with h5py.File(shard_path(self.folder, number), "r") as shard:
+                yield from read_chunks(shard, self.study, self.study.shard(number))
 
 
 class _Checksum:
@@ -175,35 +171,94 @@ class _Checksum:
             yield tile, chunks
 
 
+def beginnings(target: Path) -> tuple[Study, int] | None:
+    """Return the study of an unfinished atlas and how many of its shards are there; else None."""
+    folder = parts_of(target)
+    study = _study_in(folder / STUDY_FILE)
+    if study is None:
+        return None
+    return study, sum(shard_path(folder, n).is_file() for n in range(len(study.shards)))
+
+
+def tidy_up_after(target: Path, study: Study) -> None:
+    """Remove the folder of a finished atlas that a run killed at its very end left behind."""
+    folder = parts_of(target)
+    there = _study_in(folder / STUDY_FILE)
+    if there is not None and there.fingerprint == study.fingerprint:
+        with (
+            contextlib.suppress(BusyError, OSError),
+            _locked(folder / LOCK_FILE, fcntl.LOCK_EX, target),
+        ):
+            _tidy(folder)
+
+
+def parts_of(target: Path) -> Path:
+    """Return the folder in which an atlas is made."""
+    return target.with_name(f"{target.name}.parts")
+
+
+def _study_in(path: Path) -> Study | None:
+    try:
+        return Study.from_canonical(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, InputError):
+        return None
+
+
+def _tidy(folder: Path) -> None:
+    """Remove a folder whose lock is held, the lock last; a newcomer's lock is left alone."""
+    for item in folder.iterdir():
+        if item.name != LOCK_FILE:
+            shutil.rmtree(item) if item.is_dir() else item.unlink(missing_ok=True)
+    with contextlib.suppress(OSError):
+        (folder / LOCK_FILE).unlink()
+        folder.rmdir()
+
+
 @contextlib.contextmanager
-def _locked(path: Path, kind: int, target: Path) -> Iterator[IO[str]]:
-    """Hold a lock that goes with the process, however it ends."""
-    with path.open("a+", encoding="utf-8") as file:
-        try:
-            fcntl.flock(file, kind | fcntl.LOCK_NB)
-        except BlockingIOError:
-            file.seek(0)
-            holder = file.read().strip()
-            who = f" (process {holder})" if holder else ""
-            raise BusyError(
-                f"{target} is being written by another run{who}; "
-                "wait for it or choose another output with -o"
-            ) from None
-        if kind == fcntl.LOCK_EX:
-            file.truncate(0)
-            file.write(str(os.getpid()))
-            file.flush()
-        yield file
+def _locked(path: Path, kind: int, target: Path) -> Iterator[None]:
+    """Hold a lock that goes with the process, however it ends.
+
+    Between opening the file and locking it, another run may finish and remove it: then the lock is
+    of no file any more, and is taken anew.
+    """
+    for _ in range(ATTEMPTS):
+        path.parent.mkdir(exist_ok=True)
+        with contextlib.suppress(FileNotFoundError), path.open("a+", encoding="utf-8") as file:
+            try:
+                fcntl.flock(file, kind | fcntl.LOCK_NB)
+            except BlockingIOError:
+                file.seek(0)
+                raise BusyError(
+                    f"{target} is being written by another run{_alive(file.read())}; "
+                    "wait for it or choose another output with -o"
+                ) from None
+            if os.fstat(file.fileno()).st_ino != path.stat().st_ino:
+                continue
+            if kind == fcntl.LOCK_EX:
+                file.truncate(0)
+                file.write(str(os.getpid()))
+                file.flush()
+            yield
+            return
+    raise BusyError(f"{target} is being finished by another run; try again")
+
+
+def _alive(holder: str) -> str:
+    """Return the process that a lock names, in words, if it still runs."""
+    if not holder.strip().isdecimal():
+        return ""
+    try:
+        os.kill(int(holder), 0)
+    except OSError:
+        return ""
+    return f" (process {holder.strip()})"
 
 
 def _require_room(folder: Path, size: int) -> None:
     free = shutil.disk_usage(folder).free
     if free < size:
-        raise OSError(
-            28,
-            f"no space left on device: finishing needs {size} bytes, {free} are free",
-            str(folder),
-        )
+        reason = f"no space left on device: finishing needs {size} bytes, {free} are free"
+        raise OSError(errno.ENOSPC, reason, str(folder))
 
 
 def _sync_file(path: Path) -> None:

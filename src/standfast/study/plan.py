@@ -82,7 +82,8 @@ class Group:
     @property
     def tiles_per_shard(self) -> int:
         """Number of tiles that are written together."""
-        return TILES_PER_SHARD[np.dtype(QUANTITIES[self.quantities[0]].dtype).itemsize]
+        size = np.dtype(QUANTITIES[self.quantities[0]].dtype).itemsize
+        return max(1, TILES_PER_SHARD[size] // len(self.quantities))
 
     @property
     def points(self) -> int:
@@ -128,7 +129,8 @@ class Study:
         except IsADirectoryError:
             raise InputError(f"{path} is a folder; give a study file") from None
         except UnicodeDecodeError:
-            raise InputError(f"{path} is not a text file in UTF-8") from None
+            hint = "; it looks like an atlas, not a study" if path.suffix == ".h5" else ""
+            raise InputError(f"{path} is not a text file in UTF-8{hint}") from None
         except OSError as error:
             raise InputError(f"{path} cannot be read: {error.strerror}") from None
         try:
@@ -153,8 +155,8 @@ class Study:
         """
         known_keys("study", content, TOP_KEYS)
         title = content.get("title", "")
-        if not isinstance(title, str):
-            raise InputError(f"title = {title!r} is not text")
+        if not isinstance(title, str) or not title.isprintable():
+            raise InputError(f"title = {title!r} is not one line of text")
         parameters: dict[str, Value] = {}
         for key, given in content.items():
             if key == "gravity":
@@ -193,6 +195,8 @@ class Study:
             if name != "body_model" and name not in PARAMETERS:
                 raise unreadable
             parameters[name] = checked_value(name, name, from_json(given))
+        if not {"body_model", "gravity"} <= set(parameters):
+            raise unreadable
         check_body(parameters)
         study = cls(
             str(content["title"]),

@@ -131,6 +131,7 @@ def _range(where: str, name: str, given: Mapping[str, Any]) -> dict[str, Any]:
     start = checked_number(f"{where}.start", _short_text(given["start"]), row=row) + 0.0
     stop = checked_number(f"{where}.stop", _short_text(given["stop"]), row=row) + 0.0
     num = given["num"]
+    num = int(num) if isinstance(num, np.integer) else num
     if isinstance(num, bool) or not isinstance(num, int) or not 2 <= num <= LONGEST_AXIS:
         raise InputError(
             f"{where}.num = {_short(num)} is not a whole number of values, 2 to {LONGEST_AXIS}"

@@ -141,23 +141,18 @@ def stability_contours(
     *,
     ankle_limits: tuple[float, float],
     hip_limits: tuple[float, float],
+    inline: bool = True,
 ) -> Axes:
-    """Draw curves of neutral stability (ankle, hip; N·m/rad), one a knee stiffness, labelled."""
+    """Draw curves of neutral stability (ankle, hip; N·m/rad), one a knee stiffness.
+
+    Named where they run, or with ``inline=False`` for a legend.
+    """
     for number, (name, (ankle, hip)) in enumerate(contours.items()):
         style = LINE_STYLES[number % len(LINE_STYLES)]
-        ax.plot(ankle, hip, linestyle=style, color="black" if "rigid" in name else BLUE)
-    scale = np.array([np.ptp(ankle_limits), np.ptp(hip_limits)])
-    curves = {name: np.column_stack(curve) / scale for name, curve in contours.items()}
-    taken: list[np.ndarray] = []
-    for name, curve in curves.items():
-        if len(curve) == 0:
-            continue
-        others = [other for key, other in curves.items() if key != name and len(other)]
-        at = _most_open(curve, np.concatenate([*others, *taken, np.empty((0, 2))]))
-        # a label is wider than it is high: keep the next one away from its ends too
-        taken.append(curve[at] + np.array([[-0.08, 0.0], [0.0, 0.0], [0.08, 0.0]]))
-        ankle_at, hip_at = curve[at] * scale
-        remark(ax, ankle_at, hip_at, name)
+        color = "black" if "rigid" in name else BLUE
+        ax.plot(ankle, hip, linestyle=style, color=color, label=None if inline else name)
+    if inline:
+        _name_curves(ax, contours, np.array([np.ptp(ankle_limits), np.ptp(hip_limits)]))
     ax.set_xlim(*ankle_limits)
     ax.set_ylim(*hip_limits)
     ax.set_xlabel(PARAMETERS["ankle_stiffness"].label)
@@ -165,17 +160,43 @@ def stability_contours(
     return ax
 
 
-def _most_open(curve: np.ndarray, others: np.ndarray) -> int:
-    """Return the point of a curve, not near its ends, that is farthest from all other points."""
-    inner = np.flatnonzero(
-        (curve[:, 0] > 0.12) & (curve[:, 0] < 0.88) & (curve[:, 1] > 0.08) & (curve[:, 1] < 0.92)
-    )
-    inner = inner if inner.size else np.arange(len(curve))
-    if len(others) == 0:
-        return int(inner[inner.size // 2])
-    steps = inner[:: max(1, inner.size // 60)]
-    away = np.abs(curve[steps, None, :] - others[None, :, :]) * np.array([1.0, 2.5])
-    return int(steps[np.argmax(np.hypot(away[..., 0], away[..., 1]).min(axis=1))])
+def _name_curves(
+    ax: Axes, contours: Mapping[str, tuple[np.ndarray, np.ndarray]], scale: np.ndarray
+) -> None:
+    """Write each curve's name on it, where other curves and names are farthest."""
+    curves = {name: np.column_stack(curve) / scale for name, curve in contours.items()}
+    names: list[np.ndarray] = []
+    for name, curve in curves.items():
+        if len(curve) == 0:
+            continue
+        others = [other for key, other in curves.items() if key != name and len(other)]
+        obstacles = np.concatenate([*others, np.empty((0, 2))])
+        inner = np.flatnonzero(((curve > 0.1) & (curve < 0.9)).all(axis=1))
+        inner = inner if inner.size else np.arange(len(curve))
+        steps = inner[:: max(1, inner.size // 80)]
+        clear = np.minimum(
+            _clearance(curve[steps], obstacles, LABEL_SIZE),
+            _clearance(curve[steps], np.array(names).reshape(-1, 2), 2.0 * LABEL_SIZE),
+        )
+        # where all is open, the middle of the curve
+        best = np.flatnonzero(clear >= min(clear.max(), OPEN))
+        at = steps[best[best.size // 2]]
+        names.append(curve[at])
+        ankle_at, hip_at = curve[at] * scale
+        remark(ax, ankle_at, hip_at, name)
+
+
+def _clearance(points: np.ndarray, obstacles: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """Return how many label sizes away the nearest obstacle of each point lies."""
+    if len(obstacles) == 0:
+        return np.full(len(points), np.inf)
+    away = np.abs(points[:, None, :] - obstacles[None, :, :]) / size
+    nearest: np.ndarray = away.max(axis=2).min(axis=1)
+    return nearest
+
+
+OPEN = 2.0  # label sizes; farther from its neighbours a name need not be
+LABEL_SIZE = np.array([0.09, 0.03])  # half of a curve's label, in widths and heights of its frame
 
 
 def quantity_map(
@@ -246,6 +267,18 @@ def quantity_curves(
     ax.set_xlabel(PARAMETERS[axis].label)
     ax.set_ylabel(label)
     return ax
+
+
+def label_together(figure: Figure, axes: Sequence[Axes]) -> None:
+    """Label the outer edges of many panels once, instead of every panel."""
+    if len(axes) == 1:
+        return
+    along, upward = axes[-1].get_xlabel(), axes[0].get_ylabel()
+    figure.supxlabel(along, fontsize=STYLE["axes.labelsize"])
+    figure.supylabel(upward, fontsize=STYLE["axes.labelsize"])
+    for ax in axes:
+        ax.set_xlabel("")
+        ax.set_ylabel("")
 
 
 def remark(ax: Axes, x: float, y: float, text: str, **style: object) -> None:

@@ -20,7 +20,7 @@ from standfast.thresholds import ANKLE, HIP, KNEE, PLANE, Contour, contours, has
 FORMATS = ("png", "svg", "pdf")
 
 # More small multiples than these are thinned out evenly: a page holds no more that can be read.
-MOST_PANELS = 12
+MOST_PANELS = 9
 MOST_CURVES = 6
 # More points a side than a figure has dots are skipped.
 MOST_POINTS = 800
@@ -81,7 +81,8 @@ def limits_of_standing(study: Study, stem: Path, formats: Sequence[str]) -> Draw
     for contour in contours(study, {**chosen, **knees}):
         place = tuple(contour.place.index[name] for name in others)
         _, curves = panels.setdefault(place, (_title(study, contour, others), {}))
-        curves[_knee_name(study, contour.place.knee, first=not curves)] = (
+        full = not curves or bool(others)  # in a single panel the first name stands for all
+        curves[_knee_name(study, contour.place.knee, full=full)] = (
             contour.ankle,
             contour.hip,
         )
@@ -93,10 +94,18 @@ def limits_of_standing(study: Study, stem: Path, formats: Sequence[str]) -> Draw
             ax.set_axis_off()
         for ax, (title, curves) in zip(axes, panels.values(), strict=False):
             figures.stability_contours(
-                ax, curves, ankle_limits=limits[ANKLE], hip_limits=limits[HIP]
+                ax,
+                curves,
+                ankle_limits=limits[ANKLE],
+                hip_limits=limits[HIP],
+                inline=len(panels) == 1,
             )
             ax.set_title(title)
             ax.label_outer()
+        figures.label_together(figure, axes[: len(panels)])
+        if len(panels) > 1:
+            handles, labels = axes[0].get_legend_handles_labels()
+            figure.legend(handles, labels, loc="outside upper center", ncols=6, frameon=False)
         left_out = _left_out(study, {**chosen, **knees})
         return Drawing(figures.save(figure, stem, formats), left_out)
 
@@ -142,6 +151,7 @@ def _plane_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -
                 ax.set_ylabel(PARAMETERS[HIP].label)
             ax.set_title(title)
             ax.label_outer()
+        figures.label_together(figure, axes[: len(planes)])
         if mesh is not None:
             bar = figure.colorbar(mesh, ax=axes, shrink=0.8, extend="both")
             hatched = ", hatched: falls" if KNEE in variable.dims or KNEE not in study.axes else ""
@@ -213,9 +223,7 @@ def _left_out(study: Study, shown: Mapping[str, set[int]]) -> str:
 
 
 def _title(study: Study, contour: Contour, axes: Sequence[str]) -> str:
-    words = [_words(study, axis, contour.place.values[axis]) for axis in axes]
-    lines = [", ".join(words[i : i + 2]) for i in range(0, len(words), 2)]
-    return "\n".join(lines)
+    return "\n".join(_words(study, axis, contour.place.values[axis]) for axis in axes)
 
 
 def _words(study: Study, axis: str, value: Any) -> str:
@@ -237,11 +245,11 @@ def _digits(study: Study, axis: str, value: float) -> str:
     return f"{value:.{shown}g}"
 
 
-def _knee_name(study: Study, knee: float, *, first: bool) -> str:
+def _knee_name(study: Study, knee: float, *, full: bool) -> str:
     if math.isinf(knee):
         return "$K_k$ rigid"
     digits = _digits(study, KNEE, knee)
-    return f"$K_k$ = {digits}" if first else digits
+    return f"$K_k$ = {digits}" if full else digits
 
 
 def _limits(values: np.ndarray) -> tuple[float, float]:
@@ -261,9 +269,9 @@ def _colour_limits(planes: Sequence[np.ndarray]) -> tuple[float, float]:
 def _layout(panels: int, chosen: Mapping[str, set[int]]) -> tuple[int, int]:
     """Return rows and columns: the last axis from left to right if that fits the page."""
     last = len(list(chosen.values())[-1]) if chosen else 1
-    columns = last if 2 <= last <= 4 else max(1, min(3, panels))
+    columns = last if 2 <= last <= 3 else max(1, min(3, panels))
     return max(1, -(-panels // columns)), columns
 
 
 def _page(rows: int) -> dict[str, float]:
-    return {"width": PAGE, "height": 0.6 + 2.2 * rows}
+    return {"width": PAGE, "height": 0.6 + 2.3 * rows}

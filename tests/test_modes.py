@@ -117,7 +117,7 @@ KINDS = {
     "extreme": (extreme, CASES),
     "soft": (soft, CASES),
     "near_zero": (near_zero, 3 * CASES),
-    "near_equal": (near_equal, 40),
+    "near_equal": (near_equal, 30),
 }
 
 

@@ -8,6 +8,7 @@ but the ankle's, and then costs one comparison a point.
 """
 
 from collections.abc import Callable, Mapping
+from functools import cache, partial
 from typing import Any
 
 import jax
@@ -17,54 +18,40 @@ import numpy as np
 from standfast import stability
 from standfast.arithmetic import Scalar
 from standfast.body import REFERENCE_PEOPLE, Body, Stiffness, rescaled
-from standfast.modes import frequency, growth_rate, hip_ankle_ratio, knee_ankle_ratio, modes
+from standfast.modes import Modes, frequency, growth_rate, modes, ratio_to_ankle
 from standfast.study import JOINTS, Group, Study, Tile
 
 Person = tuple[Body, Stiffness, Scalar]
+ModesOf = Callable[[], Modes]
 
-
-def _eigenvalue(number: int) -> Callable[[Body, Stiffness, Scalar], Scalar]:
-    return lambda *person: modes(*person).eigenvalues[number]
-
-
-def _frequency(*person: Any) -> Scalar:
-    return frequency(modes(*person).eigenvalues[0])
-
-
-def _growth_rate(*person: Any) -> Scalar:
-    return growth_rate(modes(*person).eigenvalues[0])
-
-
-def _critical(joint: str) -> Callable[[Body, Stiffness, Scalar], Scalar]:
-    """Return the threshold of a joint, which does not ask for that joint's own stiffness."""
-
-    def threshold(body: Body, stiffness: Stiffness, gravity: Scalar) -> Scalar:
-        ankle, knee, hip = stiffness
-        if joint == "ankle":
-            return stability.critical_ankle_stiffness(body, knee, hip, gravity)
-        if joint == "knee":
-            return stability.critical_knee_stiffness(body, ankle, hip, gravity)
-        return stability.critical_hip_stiffness(body, ankle, knee, gravity)
-
-    return threshold
-
-
-# How each quantity is computed for one person; ``stable`` is the comparison of ``_verdicts``.
-FUNCTIONS: Mapping[str, Callable[[Body, Stiffness, Scalar], Scalar]] = {
-    "stability_determinant": stability.stability_determinant,
-    "critical_ankle_stiffness": _critical("ankle"),
-    "critical_knee_stiffness": _critical("knee"),
-    "critical_hip_stiffness": _critical("hip"),
-    "stiffness_reserve": stability.stiffness_reserve,
-    "safety_factor": stability.safety_factor,
-    "eigenvalue_1": _eigenvalue(0),
-    "eigenvalue_2": _eigenvalue(1),
-    "eigenvalue_3": _eigenvalue(2),
-    "frequency": _frequency,
-    "growth_rate": _growth_rate,
-    "hip_ankle_ratio": hip_ankle_ratio,
-    "knee_ankle_ratio": knee_ankle_ratio,
+# How each quantity is computed for one person, whose modes are found at most once. ``stable`` is
+# the comparison of ``_verdicts``.
+FUNCTIONS: Mapping[str, Callable[[Person, ModesOf], Scalar]] = {
+    "stability_determinant": lambda person, _: stability.stability_determinant(*person),
+    "critical_ankle_stiffness": lambda person, _: _critical("ankle", *person),
+    "critical_knee_stiffness": lambda person, _: _critical("knee", *person),
+    "critical_hip_stiffness": lambda person, _: _critical("hip", *person),
+    "stiffness_reserve": lambda person, _: stability.stiffness_reserve(*person),
+    "safety_factor": lambda person, _: stability.safety_factor(*person),
+    "eigenvalue_1": lambda _, modes_of: modes_of().eigenvalues[0],
+    "eigenvalue_2": lambda _, modes_of: modes_of().eigenvalues[1],
+    "eigenvalue_3": lambda _, modes_of: modes_of().eigenvalues[2],
+    "frequency": lambda _, modes_of: frequency(modes_of().eigenvalues[0]),
+    "growth_rate": lambda _, modes_of: growth_rate(modes_of().eigenvalues[0]),
+    "hip_ankle_ratio": lambda person, modes_of: ratio_to_ankle("hip", person[1], modes_of()),
+    "knee_ankle_ratio": lambda person, modes_of: ratio_to_ankle("knee", person[1], modes_of()),
 }
+
+
+def _critical(joint: str, body: Body, stiffness: Stiffness, gravity: Scalar) -> Scalar:
+    """Return the threshold of a joint, which does not ask for that joint's own stiffness."""
+    ankle, knee, hip = stiffness
+    if joint == "ankle":
+        return stability.critical_ankle_stiffness(body, knee, hip, gravity)
+    if joint == "knee":
+        return stability.critical_knee_stiffness(body, ankle, hip, gravity)
+    return stability.critical_hip_stiffness(body, ankle, knee, gravity)
+
 
 ANKLE = "ankle_stiffness"
 Evaluate = Callable[[Tile], tuple[np.ndarray, ...]]
@@ -101,7 +88,8 @@ def _values(
 
     def of_one(varying: dict[str, Any]) -> tuple[Scalar, ...]:
         person = _person({**fixed, **varying})
-        return tuple(FUNCTIONS[quantity](*person) for quantity in group.quantities)
+        modes_of = cache(partial(modes, *person))
+        return tuple(FUNCTIONS[quantity](person, modes_of) for quantity in group.quantities)
 
     mapped = jax.jit(_over_axes(of_one, group.axes))
     return lambda pieces: tuple(np.asarray(result) for result in mapped(pieces))
@@ -114,7 +102,7 @@ def _verdicts(
     others = tuple(name for name in group.axes if name != ANKLE)
 
     def threshold_of_one(varying: dict[str, Any]) -> Scalar:
-        return FUNCTIONS["critical_ankle_stiffness"](*_person({**fixed, **varying}))
+        return _critical("ankle", *_person({**fixed, **varying}))
 
     def compare(pieces: dict[str, Scalar]) -> Scalar:
         return (pieces[ANKLE] > pieces["threshold"]).astype(jnp.uint8)

@@ -90,39 +90,15 @@ def growth_rate(eigenvalue: Scalar) -> Scalar:
     return xp.sqrt(xp.maximum(-eigenvalue, 0.0))
 
 
-def hip_ankle_ratio(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY) -> Scalar:
-    """Return the hip's rotation per rotation of the ankle in the least stable mode.
+def ratio_to_ankle(joint: str, stiffness: Stiffness, of: Modes) -> Scalar:
+    """Return the rotation of ``"knee"`` or ``"hip"`` per rotation of the ankle, least stable mode.
 
     Infinite with a rigid ankle; NaN with three rigid joints, when nothing turns.
-
-    Raises
-    ------
-    InputError
-        if gravity is out of range.
     """
-    return _ratio_to_ankle(2, body, stiffness, gravity)
-
-
-def knee_ankle_ratio(
-    body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY
-) -> Scalar:
-    """Return the knee's rotation per rotation of the ankle in the least stable mode.
-
-    Infinite with a rigid ankle; NaN with three rigid joints, when nothing turns.
-
-    Raises
-    ------
-    InputError
-        if gravity is out of range.
-    """
-    return _ratio_to_ankle(1, body, stiffness, gravity)
-
-
-def _ratio_to_ankle(joint: int, body: Body, stiffness: Stiffness, gravity: Scalar) -> Scalar:
-    result = modes(body, stiffness, gravity)
-    xp = namespace(result.shapes, *stiffness)
-    with_ankle = xp.where(xp.isinf(stiffness.ankle), xp.inf, result.shapes[joint, 0])
-    return xp.where(xp.isinf(result.eigenvalues[0]), xp.nan, with_ankle)[()]
+    xp = namespace(*of, *stiffness)
+    turn = of.shapes[Stiffness._fields.index(joint), 0]
+    with_ankle = xp.where(xp.isinf(stiffness.ankle), xp.inf, turn)
+    return xp.where(xp.isinf(of.eigenvalues[0]), xp.nan, with_ankle)[()]
 
 
 @np.errstate(all="ignore")

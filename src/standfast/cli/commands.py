@@ -16,6 +16,7 @@ from standfast.quantities import PARAMETERS, QUANTITIES, InputError, in_bytes
 
 if TYPE_CHECKING:
     from standfast.study import Study
+    from standfast.sweep import Forecast
     from standfast.thresholds import Contour
 
 DONE, FAILED, WRONG_INPUT = 0, 1, 2
@@ -189,7 +190,7 @@ def _count(text: str) -> int:
 
 
 def _sweep(options: argparse.Namespace) -> None:
-    from standfast.cli.progress import progress_bar
+    from standfast.cli.progress import interruptible, progress_bar
     from standfast.study import Study
     from standfast.sweep import sweep
 
@@ -199,15 +200,24 @@ def _sweep(options: argparse.Namespace) -> None:
         atlas = sweep(study, output)
         print(f"{output} is finished already.")
         return
-    with progress_bar() as (announce, progress):
+    with progress_bar() as (announce, progress), interruptible() as stop_if_asked:
+
+        def after_forecast(forecast: "Forecast") -> None:
+            announce(forecast)
+            stop_if_asked()
+
+        def after_tile(done: int, total: int) -> None:
+            progress(done, total)
+            stop_if_asked()
+
         try:
             atlas = sweep(
                 study,
                 output,
                 threads=options.threads,
                 part=options.part,
-                progress=progress,
-                announce=announce,
+                progress=after_tile,
+                announce=after_forecast,
             )
         except KeyboardInterrupt:
             raise StoppedError(

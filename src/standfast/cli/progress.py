@@ -1,6 +1,7 @@
 """How a long sweep shows that it lives: a forecast, then a bar, or plain lines off the terminal."""
 
 import contextlib
+import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -14,6 +15,32 @@ from standfast.quantities import in_bytes
 # A run that ends sooner needs neither a forecast nor a bar.
 WORTH_A_FORECAST = 5.0  # s
 PLAIN_STEPS = 10
+
+
+@contextlib.contextmanager
+def interruptible() -> Iterator[Callable[[], None]]:
+    """Turn Ctrl-C into a KeyboardInterrupt at the next call of what is given, and nowhere else.
+
+    Raised in the middle of JAX's imports or of its compiler, it can get lost or bring the process
+    down. A second Ctrl-C acts at once.
+    """
+    asked = False
+
+    def remember(signum: int, frame: Any) -> None:
+        nonlocal asked
+        del signum, frame
+        asked = True
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    def stop_if_asked() -> None:
+        if asked:
+            raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGINT, remember)
+    try:
+        yield stop_if_asked
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 @contextlib.contextmanager

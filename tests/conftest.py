@@ -1,4 +1,23 @@
+"""Double precision for all tests, and one atlas of several shards for those of the store."""
+
 import jax
+import pytest
+
+import standfast as sf
+from studies import several_shards
 
 # The package touches no flag of JAX; a program that traces it asks for double precision itself.
 jax.config.update("jax_enable_x64", True)
+
+
+@pytest.fixture(scope="session")
+def study():
+    return sf.Study.from_dict(several_shards())
+
+
+@pytest.fixture(scope="session")
+def whole(study, tmp_path_factory):
+    """An uninterrupted run's file, and its bytes."""
+    path = tmp_path_factory.mktemp("whole") / "atlas.h5"
+    sf.sweep(study, path)
+    return path, path.read_bytes()

@@ -17,8 +17,6 @@ from standfast.store import Atlas
 from standfast.study import Study
 from standfast.thresholds import ANKLE, HIP, KNEE, PLANE, Contour, contours, has_plane, hips_needed
 
-FORMATS = ("png", "svg", "pdf")
-
 # More small multiples than these are thinned out evenly: a page holds no more that can be read.
 MOST_PANELS = 9
 MOST_CURVES = 6
@@ -118,6 +116,8 @@ def _plane_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -
     step = {axis: max(1, len(study.axes[axis]) // MOST_POINTS) for axis in PLANE}
     ankles, hips = (study.axes[axis][:: step[axis]] for axis in PLANE)
     shown = np.ix_(np.isfinite(hips), np.isfinite(ankles))
+    # a critical knee stiffness holds for all knees, a limit of standing for one
+    crossed = KNEE in variable.dims or KNEE not in study.axes
     planes = []
     # the axes on which this quantity does not depend are taken at their first value
     first = {axis: {0} for axis in study.axes if axis not in variable.dims}
@@ -140,8 +140,6 @@ def _plane_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -
         for ax in axes[len(planes) :]:
             ax.set_axis_off()
         for ax, (title, contour, values) in zip(axes, planes, strict=False):
-            # a critical knee stiffness holds for all knees, a limit of standing for one
-            crossed = KNEE in variable.dims or KNEE not in study.axes
             stable = _above(contour, ankles, hips) if crossed else None
             if name == "hip_ankle_ratio" and stable is not None:
                 figures.strategy_regions(ax, ankles, hips, values, stable)
@@ -154,8 +152,7 @@ def _plane_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -
         figures.label_together(figure, axes[: len(planes)])
         if mesh is not None:
             bar = figure.colorbar(mesh, ax=axes, shrink=0.8, extend="both")
-            hatched = ", hatched: falls" if KNEE in variable.dims or KNEE not in study.axes else ""
-            bar.set_label(f"{QUANTITIES[name].label}{hatched}")
+            bar.set_label(QUANTITIES[name].label + (", hatched: falls" if crossed else ""))
         return Drawing(figures.save(figure, stem, formats), _left_out(study, chosen))
 
 
@@ -171,7 +168,7 @@ def _curve_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -
     values = study.axes[along]
     finite = np.isfinite(values)
     curves: dict[str, np.ndarray] = {}
-    for at in kept[second] if second else [0]:
+    for at in sorted(kept[second]) if second else [0]:
         index = tuple(
             slice(None) if axis == along else at if axis == second else middle[axis]
             for axis in variable.dims

@@ -34,8 +34,10 @@ Packed = tuple[Tile, tuple[bytes, ...]]
 # Tiles computed ahead of those being compressed, for each thread that compresses.
 AHEAD = 2
 
-# Tiles of each group that the forecast computes, and what a file needs beside its chunks.
-SAMPLED = 8
+# The forecast computes one tile in so many of each group, a few at most: they are computed again.
+SAMPLED_SHARE, MOST_SAMPLED = 16, 8
+
+# What a file needs beside its chunks.
 LAYOUT_BYTES = 40_000
 
 
@@ -102,7 +104,8 @@ def sweep(
             missing = [number for number in missing if number % part[1] == part[0] - 1]
         values = sum(_points(study, tile) for number in missing for tile in study.shard(number))
         if missing:
-            _compute(study, place, missing, threads or os.cpu_count() or 1, progress, announce)
+            workers = threads or os.cpu_count() or 1
+            _compute(study, place, missing, values, workers, progress, announce)
         if part is not None:
             return None
         place.finish()
@@ -128,15 +131,15 @@ def _compute(
     study: Study,
     place: "Workplace",
     missing: list[int],
+    total: int,
     threads: int,
     progress: Progress | None,
     announce: Announce | None,
 ) -> None:
-    """Compute and store the missing shards; one is written while the next is computed."""
+    """Compute the missing shards, ``total`` values; one is written while the next is computed."""
     from standfast.engine import evaluator  # noqa: PLC0415 - imports JAX
 
     evaluate = evaluator(study)
-    total = sum(_points(study, tile) for number in missing for tile in study.shard(number))
     forecast = _forecast(study, evaluate, place.folder, total)
     if forecast.disk_bytes > forecast.free_bytes:
         raise InputError(
@@ -194,7 +197,8 @@ def _forecast(study: Study, evaluate: Evaluate, folder: Path, total: int) -> For
     seconds = size = 0.0
     for index, group in enumerate(study.groups):
         count = group.tile_count
-        sample = sorted({i * (count - 1) // (SAMPLED - 1) for i in range(SAMPLED)})
+        wanted = min(MOST_SAMPLED, 1 + count // SAMPLED_SHARE)
+        sample = [(2 * i + 1) * count // (2 * wanted) for i in range(wanted)]
         evaluate(study.tile(index, 0))  # compiles
         for number in sample:
             tile = study.tile(index, number)

@@ -312,7 +312,7 @@ def test_the_lock_goes_with_the_process(study, whole, tmp_path):
 def test_what_a_failed_finish_left_is_swept_away(study, whole, begun, monkeypatch):
     """Also when there is room for the file only once the leftover is gone."""
     folder = parts_of(begun)
-    for name in (".atlas.partial", ".shard-000001.h5.99.partial"):
+    for name in (".whole.partial", ".shard-000001.h5.99.partial"):
         (folder / name).write_bytes(b"x" * 1000)
     seen = []
     require = workplace._require_room

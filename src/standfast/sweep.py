@@ -86,7 +86,7 @@ def sweep(
         if the disk fills up after all; what is done stays and the same call goes on.
     """
     from standfast import __version__  # noqa: PLC0415 - the package imports this module
-    from standfast.store import Workplace, open_atlas  # noqa: PLC0415 - imports h5py
+    from standfast.store import Workplace, assemble, open_atlas  # noqa: PLC0415 - imports h5py
 
     output = Path(output)
     if threads is not None and threads < 1:
@@ -108,7 +108,7 @@ def sweep(
             _compute(study, place, missing, values, workers, progress, announce)
         if part is not None:
             return None
-        place.finish()
+        place.finish(lambda partial: assemble(place, partial))
     with contextlib.suppress(OSError):  # the atlas is whole; its story is a courtesy
         _write_story(study, output, __version__, time.perf_counter() - began, values)
     return open_atlas(output)
@@ -129,7 +129,7 @@ def _already_there(study: Study, atlas: "Atlas") -> "Atlas":
 
 def _compute(
     study: Study,
-    place: "Workplace",
+    place: "Workplace[Study]",
     missing: list[int],
     total: int,
     threads: int,
@@ -161,9 +161,15 @@ def _compute(
                     progress(done, total)
             if written is not None:
                 written.result()
-            written = writer.submit(place.write, number, packed)
+            written = writer.submit(_write, place, number, packed)
         if written is not None:
             written.result()
+
+
+def _write(place: "Workplace[Study]", number: int, packed: list[Packed]) -> None:
+    from standfast.store.chunks import shard_image  # noqa: PLC0415 - imports h5py
+
+    place.write(number, shard_image(place.study, place.version, packed))
 
 
 def _packed(
@@ -208,7 +214,7 @@ def _forecast(study: Study, evaluate: Evaluate, folder: Path, total: int) -> For
     share = total / study.points
     # shards and the finished file are on the disk together for a moment
     stored = size + LAYOUT_BYTES
-    shards = size * share + LAYOUT_BYTES * len(study.shards)
+    shards = size * share + LAYOUT_BYTES * study.shard_count
     return Forecast(total, int(stored + shards), seconds * share, shutil.disk_usage(folder).free)
 
 
@@ -233,7 +239,7 @@ def _write_story(study: Study, output: Path, version: str, seconds: float, value
         "seconds": round(seconds, 3),
         "values_computed_in_this_run": values,
         "values_per_second": round(values / seconds),
-        "shards": len(study.shards),
+        "shards": study.shard_count,
         "bytes_before_compression": study.raw_bytes,
         "bytes": output.stat().st_size,
         "finished": time.strftime("%Y-%m-%dT%H:%M:%S%z"),

@@ -297,8 +297,9 @@ def _plot(options: argparse.Namespace) -> None:
 
 def _info(options: argparse.Namespace) -> None:
     from standfast.store import beginnings, open_atlas
+    from standfast.study import Study
 
-    begun = None if options.atlas.exists() else beginnings(options.atlas)
+    begun = None if options.atlas.exists() else beginnings(options.atlas, Study)
     if begun is not None:
         _tell_beginnings(options, *begun)
         return
@@ -338,7 +339,7 @@ def _info(options: argparse.Namespace) -> None:
 
 
 def _tell_beginnings(options: argparse.Namespace, study: "Study", done: int) -> None:
-    count = len(study.shards)
+    count = study.shard_count
     if options.json:
         print(json.dumps({"title": study.title, "complete": False, "done": done, "of": count}))
         return

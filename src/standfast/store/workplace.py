@@ -1,4 +1,4 @@
-"""The folder ``<name>.parts`` in which an atlas is made: lock, study, shards, and the finishing.
+"""The folder ``<name>.parts`` in which a file is made: lock, study, shards, and the finishing.
 
 The set of valid shards is the journal: whatever was killed, what is missing is what no valid shard
 covers. The finished name appears by one rename of a synced file, or not at all.
@@ -9,25 +9,15 @@ import errno
 import fcntl
 import os
 import shutil
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-
-import h5py
-from isal import isal_zlib
+from typing import Generic, TypeVar
 
 from standfast.quantities import InputError
-from standfast.store.layout import LIBRARY_VERSION, write_layout
-from standfast.store.shards import (
-    Packed,
-    is_valid,
-    read_chunks,
-    shard_path,
-    sync_folder,
-    write_chunks,
-    write_shard,
-)
-from standfast.study import Study
+from standfast.store.shards import Work, is_valid, shard_path, sync_folder, write_shard
+
+W = TypeVar("W", bound=Work)
 
 STUDY_FILE = "study.json"
 LOCK_FILE = "lock"
@@ -39,19 +29,19 @@ class BusyError(InputError):
 
 
 @dataclass(frozen=True)
-class Workplace:
-    """The place where one study's atlas is made; use :func:`Workplace.enter`."""
+class Workplace(Generic[W]):
+    """The place where one study's file is made; use :func:`Workplace.enter`."""
 
     target: Path
-    study: Study
+    study: W
     version: str
     folder: Path
 
     @classmethod
     @contextlib.contextmanager
     def enter(
-        cls, target: Path, study: Study, version: str, *, part: tuple[int, int] | None = None
-    ) -> Iterator["Workplace"]:
+        cls, target: Path, study: W, version: str, *, part: tuple[int, int] | None = None
+    ) -> Iterator["Workplace[W]"]:
         """Take the lock of an output and check that the folder belongs to this study.
 
         A whole run excludes every other; parts of one study (``(i, N)``) only themselves.
@@ -87,7 +77,7 @@ class Workplace:
         A study file that cannot be read is written again: shards carry the fingerprint themselves.
         """
         path = self.folder / STUDY_FILE
-        there = _study_in(path)
+        there = _study_in(path, type(self.study))
         if there is None:
             partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
             partial.write_text(self.study.canonical, encoding="utf-8")
@@ -105,27 +95,27 @@ class Workplace:
         """Return the shards that no valid file covers."""
         return [
             number
-            for number in range(len(self.study.shards))
+            for number in range(self.study.shard_count)
             if not is_valid(self.folder, self.study, self.version, number)
         ]
 
-    def write(self, number: int, packed: list[Packed]) -> None:
+    def write(self, number: int, content: bytes) -> None:
         """Write one shard."""
-        write_shard(self.folder, self.study, self.version, number, packed)
+        write_shard(self.folder, self.study, self.version, number, content)
 
-    def finish(self) -> None:
-        """Copy all chunks in canonical order into one file, verify, sync, rename, tidy up.
+    def finish(self, assemble: Callable[[Path], None]) -> None:
+        """Let ``assemble`` write the file under a temporary name; sync, rename, tidy up.
 
         Raises
         ------
         OSError
             if the disk does not take it; the shards stay.
         """
-        partial = self.folder / ".atlas.partial"
-        shards = (shard_path(self.folder, number) for number in range(len(self.study.shards)))
+        partial = self.folder / ".whole.partial"
+        shards = (shard_path(self.folder, number) for number in range(self.study.shard_count))
         _require_room(self.folder, sum(path.stat().st_size for path in shards))
         try:
-            self._assemble(partial)
+            assemble(partial)
             _sync_file(partial)
             partial.replace(self.target)
         except RuntimeError as error:  # some of HDF5's failures to write
@@ -136,54 +126,20 @@ class Workplace:
         sync_folder(self.target.parent)
         _tidy(self.folder)
 
-    def _assemble(self, partial: Path) -> None:
-        """Write the whole atlas under a temporary name and read it back."""
-        with h5py.File(partial, "w", libver=(LIBRARY_VERSION, "latest")) as file:
-            write_layout(file, self.study, self.version)
-            written = _Checksum()
-            write_chunks(file, self.study, written.of(self._all_chunks()))
-        read_back = _Checksum()
-        with h5py.File(partial, "r") as file:
-            tiles = (t for n in range(len(self.study.shards)) for t in self.study.shard(n))
-            for _ in read_back.of(read_chunks(file, self.study, tiles)):
-                pass
-        if read_back.value != written.value:
-            raise OSError(errno.EIO, "the file does not read back as it was written", str(partial))
 
-    def _all_chunks(self) -> Iterator[Packed]:
-        """Go through the chunks of all shards in canonical order."""
-        for number in range(len(self.study.shards)):
-            with h5py.File(shard_path(self.folder, number), "r") as shard:
-                yield from read_chunks(shard, self.study, self.study.shard(number))
-
-
-class _Checksum:
-    """The CRC-32 of all chunks that went by."""
-
-    def __init__(self) -> None:
-        self.value = 0
-
-    def of(self, packed: Iterable[Packed]) -> Iterator[Packed]:
-        """Hand chunks on and add them up."""
-        for tile, chunks in packed:
-            for chunk in chunks:
-                self.value = isal_zlib.crc32(chunk, self.value)
-            yield tile, chunks
-
-
-def beginnings(target: Path) -> tuple[Study, int] | None:
-    """Return the study of an unfinished atlas and how many of its shards are there; else None."""
+def beginnings(target: Path, kind: type[W]) -> tuple[W, int] | None:
+    """Return the study of an unfinished file and how many of its shards are there; else None."""
     folder = parts_of(target)
-    study = _study_in(folder / STUDY_FILE)
+    study = _study_in(folder / STUDY_FILE, kind)
     if study is None:
         return None
-    return study, sum(shard_path(folder, n).is_file() for n in range(len(study.shards)))
+    return study, sum(shard_path(folder, n).is_file() for n in range(study.shard_count))
 
 
-def tidy_up_after(target: Path, study: Study) -> None:
-    """Remove the folder of a finished atlas that a run killed at its very end left behind."""
+def tidy_up_after(target: Path, study: Work) -> None:
+    """Remove the folder of a finished file that a run killed at its very end left behind."""
     folder = parts_of(target)
-    there = _study_in(folder / STUDY_FILE)
+    there = _study_in(folder / STUDY_FILE, type(study))
     if there is not None and there.fingerprint == study.fingerprint:
         with (
             contextlib.suppress(BusyError, OSError),
@@ -193,13 +149,13 @@ def tidy_up_after(target: Path, study: Study) -> None:
 
 
 def parts_of(target: Path) -> Path:
-    """Return the folder in which an atlas is made."""
+    """Return the folder in which a file is made."""
     return target.with_name(f"{target.name}.parts")
 
 
-def _study_in(path: Path) -> Study | None:
+def _study_in(path: Path, kind: type[W]) -> W | None:
     try:
-        return Study.from_canonical(path.read_text(encoding="utf-8"))
+        return kind.from_canonical(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, InputError):
         return None
 

@@ -280,6 +280,11 @@ class Study:
             for first in range(0, group.tile_count, group.tiles_per_shard)
         )
 
+    @property
+    def shard_count(self) -> int:
+        """Number of shards."""
+        return len(self.shards)
+
     def shard(self, number: int) -> list[Tile]:
         """Return the tiles of a shard, in canonical order: the last axis fastest."""
         index, tiles = self.shards[number]

@@ -7,7 +7,7 @@ The verdict is the one quantity with a step between: its threshold is computed f
 but the ankle's, and then costs one comparison a point.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from functools import cache, partial
 from typing import Any
 
@@ -133,6 +133,30 @@ def _over_axes(
         along = {name: 0 if name == mapped else None for name in axes}
         function = jax.vmap(function, in_axes=(along,))
     return function
+
+
+@cache
+def over_persons(
+    function: Callable[[Any, dict[str, Scalar]], dict[str, Scalar]],
+    model: Hashable,
+    names: tuple[str, ...],
+) -> Callable[[np.ndarray], dict[str, np.ndarray]]:
+    """Map a function of a model and one person's named numbers over many persons.
+
+    Takes the numbers as an array (names, persons) and gives an array of persons a result. Compiled
+    once for each function, model and number of persons.
+    """
+
+    def of_one(column: Scalar) -> dict[str, Scalar]:
+        return function(model, {name: column[row] for row, name in enumerate(names)})
+
+    mapped = jax.jit(jax.vmap(of_one, in_axes=1))
+
+    def evaluate(numbers: np.ndarray) -> dict[str, np.ndarray]:
+        with jax.enable_x64(True):
+            return {name: np.asarray(values) for name, values in mapped(numbers).items()}
+
+    return evaluate
 
 
 def _person(parameters: Mapping[str, Any]) -> Person:

@@ -21,7 +21,6 @@ from standfast.dynamics import (
     gravity_loads,
     joint_gravity,
     second_variation,
-    segment_angles,
 )
 from standfast.quantities import STANDARD_GRAVITY
 
@@ -210,12 +209,22 @@ def stiffness_reserve(
     return signed_by(verdict(body, stiffness, gravity), _unless_rigid(stiffness, quotient))
 
 
+# Newton steps of :func:`safety_factor`: after three the worst of 1500 random cases is off by 1e-9,
+# after four by 4e-16, and further ones change nothing.
+NEWTON_STEPS = 4
+ALMOST_FREE = 1e-60  # N·m/rad
+
+
 @np.errstate(all="ignore")
 def safety_factor(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY) -> Scalar:
     """Return the factor by which all stiffnesses could be divided and the person just stand.
 
-    The smallest s of diag(K) v = s G v, with G the gravity part of C. Above 1 exactly where the
-    verdict is stable; 0 with a free joint; infinite with three rigid joints.
+    The smallest s of diag(K) v = s G v, with G the gravity part of C. So x = 1/s is the largest
+    root of x³ − t x² + m x − d, with t, m, d the trace, the sum of the principal minors and the
+    determinant of K⁻¹ G: sums and products of positive numbers. All entries of K⁻¹ G are positive,
+    so the root is simple, and Newton's steps fall towards it from the upper bound
+    (t + 2 √(t² − 3m))/3. Above 1 exactly where the verdict is stable; 0 with a free joint;
+    infinite with three rigid joints.
 
     Raises
     ------
@@ -223,16 +232,22 @@ def safety_factor(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_G
         if gravity is out of range.
     """
     xp = checked_person(body, stiffness, gravity)
-    nothing = ((0.0, 0.0, 0.0),) * 3
-    weakest = eigen.spring_eigenvectors(stiffness, nothing, joint_gravity(body, gravity), 1.0)[0]
-    springs = sum(
-        xp.where(xp.isinf(k), 0.0, k) * turn**2 for k, turn in zip(stiffness, weakest, strict=True)
-    )
-    toppling = sum(
-        load * angle**2
-        for load, angle in zip(gravity_loads(body, gravity), segment_angles(weakest), strict=True)
-    )
-    factor = _unless_rigid(stiffness, springs / toppling)
+    shank, thigh, upper = gravity_loads(body, gravity)
+    below = thigh + upper
+    # a joint as good as free would overflow the determinant
+    ankle, knee, hip = (1.0 / xp.maximum(xp.asarray(k), ALMOST_FREE) for k in stiffness)
+    trace = (shank + below) * ankle + below * knee + upper * hip
+    minors = ankle * (shank * below * knee + (shank + thigh) * upper * hip)
+    minors = minors + thigh * upper * knee * hip
+    determinant = shank * thigh * upper * ankle * knee * hip
+    root = (trace + 2.0 * xp.sqrt(xp.maximum(trace**2 - 3.0 * minors, 0.0))) / 3.0
+    for _ in range(NEWTON_STEPS):
+        value = ((root - trace) * root + minors) * root - determinant
+        slope = (3.0 * root - 2.0 * trace) * root + minors
+        root = root - value / slope
+    factor = _unless_rigid(stiffness, 1.0 / root)
+    free = (stiffness.ankle == 0.0) | (stiffness.knee == 0.0) | (stiffness.hip == 0.0)
+    factor = xp.where(free, 0.0, factor)
     # within rounding of 1 the verdict decides
     just_above = 1.0 + 2.0 * ROUNDOFF
     return xp.where(

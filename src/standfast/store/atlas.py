@@ -103,7 +103,7 @@ class Variable:
     def __getitem__(self, index: Any) -> np.ndarray:
         """Read a piece: integers and slices are read chunk by chunk in threads."""
         box = _box(index, self.shape)
-        with _opened(self.path) as file:
+        with opened(self.path) as file:
             dataset = file[self.quantity.name]
             if not self.group.axes or box is None:
                 return _read_as_h5py_does(dataset, index)
@@ -163,7 +163,7 @@ def open_atlas(path: str | Path) -> Atlas:
     if signature != HDF5_SIGNATURE:
         hint = "; it looks like a study, sweep it first" if path.suffix == ".toml" else ""
         raise InputError(f"{path} is not an HDF5 file{hint}")
-    with _opened(path) as file:
+    with opened(path) as file:
         if said(file, "format") != FORMAT:
             raise InputError(f"{path} is HDF5, but not an atlas of standfast")
         number = file.attrs.get("format_version")
@@ -187,7 +187,7 @@ def open_atlas(path: str | Path) -> Atlas:
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[h5py.File]:
+def opened(path: Path) -> Iterator[h5py.File]:
     """Open for reading and turn what HDF5 says of a broken file into one sentence."""
     try:
         with h5py.File(path, "r") as file:

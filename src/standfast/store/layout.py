@@ -27,13 +27,13 @@ DEFLATE_LEVEL = 1
 
 def write_layout(file: h5py.File, study: Study, version: str) -> None:
     """Create all datasets, without their chunks, and all attributes of a study's atlas."""
-    _say(file, "Conventions", "CF-1.11")
-    _say(file, "title", study.title)
-    _say(file, "format", FORMAT)
+    say(file, "Conventions", "CF-1.11")
+    say(file, "title", study.title)
+    say(file, "format", FORMAT)
     file.attrs["format_version"] = np.int32(FORMAT_VERSION)
-    _say(file, "standfast_version", version)
-    _say(file, "study", study.canonical)
-    _say(file, "study_sha256", study.fingerprint)
+    say(file, "standfast_version", version)
+    say(file, "study", study.canonical)
+    say(file, "study_sha256", study.fingerprint)
     for name, values in study.axes.items():
         scale = _parameter(file, name, values)
         scale.make_scale(name)
@@ -44,7 +44,7 @@ def write_layout(file: h5py.File, study: Study, version: str) -> None:
             _quantity(file, study, group, quantity)
 
 
-def _say(place: h5py.HLObject, name: str, text: str) -> None:
+def say(place: h5py.HLObject, name: str, text: str) -> None:
     """Write a text attribute of fixed length: it lies in the object's header, under its checksum.
 
     Text of variable length lies in a heap without one, whose damage can hang HDF5.
@@ -54,7 +54,7 @@ def _say(place: h5py.HLObject, name: str, text: str) -> None:
 
 
 def said(place: h5py.HLObject, name: str) -> str | None:
-    """Return a text attribute of :func:`_say`, None if it is absent or of any other kind."""
+    """Return a text attribute of :func:`say`, None if it is absent or of any other kind."""
     if name not in place.attrs or place.attrs.get_id(name).dtype.kind != "S":
         return None
     try:
@@ -100,12 +100,12 @@ def _deflated(values: np.ndarray) -> bytes:
 def _parameter(file: h5py.File, name: str, values: np.ndarray) -> h5py.Dataset:
     if name == "body_model":
         dataset = file.create_dataset(name, data=values.astype(object), dtype=h5py.string_dtype())
-        _say(dataset, "long_name", "table of segment parameters")
+        say(dataset, "long_name", "table of segment parameters")
         return dataset
     row = PARAMETERS[name]
     dataset = file.create_dataset(name, data=values.astype(np.float64))
-    _say(dataset, "units", row.unit)
-    _say(dataset, "long_name", row.meaning)
+    say(dataset, "units", row.unit)
+    say(dataset, "long_name", row.meaning)
     return dataset
 
 
@@ -120,12 +120,12 @@ def _quantity(file: h5py.File, study: Study, group: Group, quantity: str) -> Non
             "shuffle": np.dtype(row.dtype).itemsize > 1,
         }
     dataset = file.create_dataset(quantity, group.shape, row.dtype, **storage)
-    _say(dataset, "units", row.unit)
-    _say(dataset, "long_name", row.meaning)
+    say(dataset, "units", row.unit)
+    say(dataset, "long_name", row.meaning)
     if study.fixed:
-        _say(dataset, "coordinates", " ".join(study.fixed))
+        say(dataset, "coordinates", " ".join(study.fixed))
     if quantity == "stable":
         dataset.attrs["flag_values"] = np.array([0, 1], np.uint8)
-        _say(dataset, "flag_meanings", "unstable stable")
+        say(dataset, "flag_meanings", "unstable stable")
     for number, axis in enumerate(group.axes):
         dataset.dims[number].attach_scale(file[axis])

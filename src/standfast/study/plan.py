@@ -8,7 +8,6 @@ nothing about the machine enters, so the same study always gives the same file.
 import hashlib
 import json
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from standfast.quantities import PARAMETERS, QUANTITIES, STANDARD_GRAVITY, InputError
+from standfast.study.toml import read_toml
 from standfast.study.values import (
     BODY_KEYS,
     STIFFNESS_KEYS,
@@ -121,24 +121,7 @@ class Study:
         InputError
             if the file is not readable, not TOML, or says something that makes no sense.
         """
-        path = Path(path)
-        try:
-            text = path.read_text(encoding="utf-8")
-        except FileNotFoundError:
-            raise InputError(f"{path}: there is no such study file") from None
-        except IsADirectoryError:
-            raise InputError(f"{path} is a folder; give a study file") from None
-        except UnicodeDecodeError:
-            hint = "; it looks like an atlas, not a study" if path.suffix == ".h5" else ""
-            raise InputError(f"{path} is not a text file in UTF-8{hint}") from None
-        except OSError as error:
-            raise InputError(f"{path} cannot be read: {error.strerror}") from None
-        try:
-            content = tomllib.loads(text)
-        except (tomllib.TOMLDecodeError, RecursionError) as error:
-            raise InputError(f"{path} is not valid TOML: {error}") from None
-        except ValueError as error:  # an integer of thousands of digits
-            raise InputError(f"{path} is not valid TOML: {error}") from None
+        content = read_toml(path)
         try:
             return cls.from_dict(content)
         except InputError as error:

@@ -1,0 +1,98 @@
+"""What all figures share: style, size, saving, words on a white ground."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+COLUMN = 3.5  # width of a journal column, inches
+BLUE, VERMILION, GREY = "#0072B2", "#D55E00", "#595959"
+LINE_STYLES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
+
+STYLE: Any = {
+    "font.size": 8,
+    "axes.labelsize": 8,
+    "axes.titlesize": 8,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "legend.fontsize": 7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.6,
+    "lines.linewidth": 1.2,
+    "xtick.direction": "out",
+    "ytick.direction": "out",
+    "mathtext.fontset": "dejavusans",
+    "savefig.dpi": 300,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "standfast",
+}
+
+
+@contextmanager
+def paper_figure(
+    *,
+    width: float = COLUMN,
+    height: float = 2.8,
+    panels: tuple[int, int] = (1, 1),
+    shared: bool = False,
+) -> Iterator[tuple[Figure, list[Axes]]]:
+    """Give a figure in the style of this module, with rows and columns of axes, row by row."""
+    with mpl.rc_context():
+        mpl.rcdefaults()  # a user's own settings belong to their figures, not to these
+        mpl.rcParams.update(STYLE)
+        figure = Figure(figsize=(width, height), layout="constrained")
+        axes = figure.subplots(*panels, sharex=shared, sharey=shared, squeeze=False)
+        yield figure, list(axes.ravel())
+
+
+# What would put a clock or a version into a file, by format.
+NO_CLOCK: Any = {
+    "png": {"Software": None},
+    "svg": {"Date": None},
+    "pdf": {"CreationDate": None, "Producer": None, "Creator": None},
+}
+
+
+def save(figure: Figure, stem: Path, formats: Sequence[str] = ("png", "svg")) -> list[Path]:
+    """Write ``stem``.png and so on, each whole or not at all and without a clock inside."""
+    paths = []
+    for suffix in formats:
+        path = stem.with_name(f"{stem.name}.{suffix}")
+        partial = path.with_name(f".{path.name}.partial")
+        figure.savefig(partial, format=suffix, metadata=NO_CLOCK[suffix])
+        partial.replace(path)
+        paths.append(path)
+    return paths
+
+
+def label_together(figure: Figure, axes: Sequence[Axes]) -> None:
+    """Label the outer edges of many panels once, instead of every panel."""
+    if len(axes) == 1:
+        return
+    along, upward = axes[-1].get_xlabel(), axes[0].get_ylabel()
+    figure.supxlabel(along, fontsize=STYLE["axes.labelsize"])
+    figure.supylabel(upward, fontsize=STYLE["axes.labelsize"])
+    for ax in axes:
+        ax.set_xlabel("")
+        ax.set_ylabel("")
+
+
+def remark(ax: Axes, x: float, y: float, text: str, **style: object) -> None:
+    """Write centred words on a white ground, so that no line runs through them."""
+    ax.text(
+        x,
+        y,
+        text,
+        ha="center",
+        va="center",
+        bbox=WHITE_GROUND,
+        **{"fontsize": 7, **style},  # type: ignore[arg-type] # any text property
+    )
+
+
+WHITE_GROUND = {"boxstyle": "square,pad=0.12", "facecolor": "white", "edgecolor": "none"}

@@ -1,0 +1,82 @@
+"""What drives the risk: the factors of a population and their Sobol indices."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from standfast.engine import over_persons
+from standfast.population.crowd import Crowd
+from standfast.population.draws import REPLICATES, Sampler, sobol_block
+from standfast.population.estimators import NoVarianceError, SobolIndices, sobol_indices
+from standfast.population.laws import JOINTS
+from standfast.population.persons import margins
+
+# Persons a scrambling, on which the drivers of risk are sought.
+DRIVERS_SIZE = 2**13
+DRIVERS_SEED = 2**63  # added to the study's, so that the drivers have numbers of their own
+
+
+@dataclass(frozen=True)
+class Drivers:
+    """Which factors drive falling and the safety factor; a sentence where nothing does."""
+
+    factors: tuple[str, ...]
+    indices: Mapping[str, SobolIndices]
+    remarks: Mapping[str, str]
+
+
+def find_drivers(crowd: Crowd, seed: int) -> Drivers:
+    """Estimate Sobol indices of all factors by independent scramblings."""
+    factors = factors_of(crowd.sampler)
+    dimensions = len(crowd.sampler.coordinates)
+    outputs: dict[str, list[list[np.ndarray]]] = {"unstable": [], "safety_factor": []}
+    of_margins = over_persons(margins, crowd.model, crowd.names)
+    for replicate in range(REPLICATES):
+        points = sobol_block(seed + DRIVERS_SEED, replicate, 0, 2 * dimensions, DRIVERS_SIZE)
+        first, second = points[:dimensions], points[dimensions:]
+        samples = [first, second]
+        for rows in factors.values():
+            mixed = first.copy()
+            mixed[list(rows)] = second[list(rows)]
+            samples.append(mixed)
+        found = [
+            of_margins(crowd.numbers(crowd.sampler.from_uniform(sample.copy())))
+            for sample in samples
+        ]
+        for name, collected in outputs.items():
+            collected.append([each[name] for each in found])
+    indices, remarks = {}, {}
+    for name, collected in outputs.items():
+        values = np.array(collected)  # replicate, sample, person
+        if not np.isfinite(values).all():
+            remarks[name] = f"{name} is infinite for some persons, so it has no variance to explain"
+            continue
+        try:
+            indices[name] = sobol_indices(values[:, 0], values[:, 1], values[:, 2:])
+        except NoVarianceError:
+            same = f"{values.flat[0]:.4g}"
+            remarks[name] = f"{name} is {same} for everyone, so nothing drives it"
+    return Drivers(tuple(factors), indices, remarks)
+
+
+def factors_of(sampler: Sampler) -> dict[str, tuple[int, ...]]:
+    """Return the independent factors of risk, each with its coordinates.
+
+    Correlated joints are one factor, and so are both segments' proportions.
+    """
+    words = {"group": "age and sex", "shank": "proportions", "thigh": "proportions"}
+    words |= {"bmi": "BMI", **{joint: f"{joint} stiffness" for joint in JOINTS}}
+    together = sampler.correlated
+    joined = _listed([sampler.coordinates[row].name for row in together])
+    factors: dict[str, tuple[int, ...]] = {}
+    for row, coordinate in enumerate(sampler.coordinates):
+        name = words.get(coordinate.name, coordinate.name)
+        if row in together:
+            name = f"{joined} stiffness"
+        factors[name] = (*factors.get(name, ()), row)
+    return factors
+
+
+def _listed(words: Sequence[str]) -> str:
+    return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else "".join(words)

@@ -1,0 +1,190 @@
+"""Estimates with their intervals: fractions, quantiles, Sobol indices.
+
+All intervals are of 95 %. Plain Monte Carlo has those of independent draws; quasi-Monte Carlo those
+of its independent scramblings, by Student's t.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import stdtrit
+
+CONFIDENCE = 0.95
+NORMAL_QUANTILE = 1.959963984540054
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A number and the interval in which the true one lies with 95 % confidence."""
+
+    value: float
+    low: float
+    high: float
+
+    @property
+    def interval(self) -> list[float]:
+        """The two ends."""
+        return [self.low, self.high]
+
+
+def wilson(events: int, persons: int) -> Estimate:
+    """Return a fraction with Wilson's score interval (J Am Stat Assoc 22 (1927) 209-212).
+
+    (p + z²/2n ± z √(p(1−p)/n + z²/4n²)) / (1 + z²/n); never empty, also without any event.
+    """
+    share = events / persons
+    z2 = NORMAL_QUANTILE**2 / persons
+    middle = (share + 0.5 * z2) / (1.0 + z2)
+    half = math.sqrt(share * (1.0 - share) * z2 + 0.25 * z2**2) / (1.0 + z2)
+    low = 0.0 if events == 0 else middle - half
+    high = 1.0 if events == persons else middle + half
+    return Estimate(share, low, high)
+
+
+def over_replicates(values: np.ndarray) -> Estimate:
+    """Return the mean of independent replicates, ± t s/√R with R − 1 degrees of freedom."""
+    half = float(stdtrit(values.size - 1, 0.5 + 0.5 * CONFIDENCE)) * standard_error(values)
+    mean = float(values.mean())
+    return Estimate(mean, mean - half, mean + half)
+
+
+def standard_error(values: np.ndarray) -> float:
+    """Return s/√R, the standard error of the mean of independent replicates."""
+    return float(values.std(ddof=1)) / math.sqrt(values.size)
+
+
+def fraction(events: np.ndarray, persons: np.ndarray) -> Estimate:
+    """Return the fraction of events (replicates,) among persons (replicates,)."""
+    total, of_all = int(events.sum()), int(persons.sum())
+    overall = wilson(total, of_all)
+    if events.size == 1 or (persons == 0).any():
+        return overall
+    shares = events / persons
+    if (shares == shares[0]).all():  # no spread to go by, as without any event
+        return overall
+    of_replicates = over_replicates(shares)
+    half = of_replicates.high - of_replicates.value
+    share = overall.value
+    return Estimate(share, max(share - half, 0.0), min(share + half, 1.0))
+
+
+def effective_size(events: np.ndarray, persons: np.ndarray) -> float:
+    """Return how many independent draws would tell the fraction as well, p(1−p)/SE²."""
+    size = float(persons.sum())
+    if events.size == 1:
+        return size
+    share = events.sum() / size
+    error = standard_error(events / persons)
+    return share * (1.0 - share) / error**2 if error > 0.0 else size
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """Counts of a positive number in bins, by replicate, read as a distribution function.
+
+    Attributes
+    ----------
+    edges : (bins + 1,)
+        rising edges of the bins.
+    counts : (replicates, bins + 2)
+        the first column is what lies below all bins, the last what lies above.
+    """
+
+    edges: np.ndarray
+    counts: np.ndarray
+
+    @property
+    def size(self) -> int:
+        """Number of values counted."""
+        return int(self.counts.sum())
+
+    def below(self, values: np.ndarray) -> np.ndarray:
+        """Return the share of what lies below each value, linear within a bin."""
+        shares: np.ndarray = np.interp(values, self.edges, self._cumulated(self.counts.sum(axis=0)))
+        return shares
+
+    def quantile(self, share: float) -> Estimate:
+        """Return the value below which a share lies; ``inf`` beyond the bins, 0 before them.
+
+        With one replicate the interval comes from the ranks n q ± z √(n q (1 − q)).
+        """
+        total = self.counts.sum(axis=0)
+        value = self._at(total, share)
+        if len(self.counts) == 1:
+            spread = NORMAL_QUANTILE * math.sqrt(share * (1.0 - share) / self.size)
+            return Estimate(
+                value,
+                self._at(total, max(share - spread, 0.0)),
+                self._at(total, min(share + spread, 1.0)),
+            )
+        each = np.array([self._at(counts, share) for counts in self.counts])
+        if np.isinf(each).any():
+            return Estimate(value, float(each.min()), math.inf)
+        around = over_replicates(each)
+        half = around.high - around.value
+        return Estimate(value, max(value - half, 0.0), value + half)
+
+    @staticmethod
+    def _cumulated(counts: np.ndarray) -> np.ndarray:
+        """Return the share below each edge."""
+        shares: np.ndarray = np.cumsum(counts[:-1]) / counts.sum()
+        return shares
+
+    def _at(self, counts: np.ndarray, share: float) -> float:
+        shares = self._cumulated(counts)
+        if share > shares[-1]:
+            return math.inf
+        if share <= shares[0]:
+            return 0.0 if shares[0] > 0.0 else float(self.edges[0])
+        above = int(np.searchsorted(shares, share))
+        # linear between the edge below and the edge above
+        step = (share - shares[above - 1]) / (shares[above] - shares[above - 1])
+        low, high = self.edges[above - 1], self.edges[above]
+        return float(low + step * (high - low))
+
+
+@dataclass(frozen=True)
+class SobolIndices:
+    """How much of an output's variance each factor explains, alone and with all others."""
+
+    first: tuple[Estimate, ...]
+    total: tuple[Estimate, ...]
+
+
+class NoVarianceError(ValueError):
+    """The output is the same for everyone, so nothing drives it."""
+
+
+def sobol_indices(first: np.ndarray, second: np.ndarray, mixed: np.ndarray) -> SobolIndices:
+    """Return Sobol indices with intervals from the spread of independent replicates.
+
+    With f(A), f(B) on two independent samples and f(ABi) on A with factor i taken from B:
+    S_i = ⟨f(B) (f(ABi) − f(A))⟩ / V and T_i = ⟨(f(A) − f(ABi))²⟩ / 2V (Saltelli et al., Comput Phys
+    Commun 181 (2010) 259-270, after Jansen), V the variance of f(A) and f(B) together.
+
+    Parameters
+    ----------
+    first, second : (replicates, n)
+        f(A) and f(B).
+    mixed : (replicates, factors, n)
+        f(ABi).
+
+    Raises
+    ------
+    NoVarianceError
+        if all values are equal.
+    """
+    both = np.concatenate([first, second], axis=1)
+    if np.ptp(both) == 0.0:
+        raise NoVarianceError
+    # the mean over all replicates, taken off, leaves the estimators unchanged and their spread low
+    centre = both.mean()
+    variance = both.var()
+    a, b, ab = first - centre, second - centre, mixed - centre
+    main = (b[:, None, :] * (ab - a[:, None, :])).mean(axis=2) / variance
+    total = 0.5 * ((a[:, None, :] - ab) ** 2).mean(axis=2) / variance
+    return SobolIndices(
+        tuple(over_replicates(column) for column in main.T),
+        tuple(over_replicates(column) for column in total.T),
+    )

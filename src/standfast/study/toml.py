@@ -1,0 +1,35 @@
+"""Reading a study file: what can be wrong with it before its first key is looked at."""
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from standfast.quantities import InputError
+
+
+def read_toml(path: str | Path) -> dict[str, Any]:
+    """Return the content of a study file.
+
+    Raises
+    ------
+    InputError
+        if the file is not readable or not TOML.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such study file") from None
+    except IsADirectoryError:
+        raise InputError(f"{path} is a folder; give a study file") from None
+    except UnicodeDecodeError:
+        hint = "; it looks like an atlas, not a study" if path.suffix == ".h5" else ""
+        raise InputError(f"{path} is not a text file in UTF-8{hint}") from None
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror}") from None
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(f"{path} is not valid TOML: {error}") from None
+    except ValueError as error:  # an integer of thousands of digits
+        raise InputError(f"{path} is not valid TOML: {error}") from None

@@ -25,6 +25,18 @@ MAY_IMPORT = {
     "thresholds": {"quantities", "body", "stability", "study", "store"},
     "figures": {"quantities"},
     "plots": {"quantities", "study", "store", "thresholds", "figures"},
+    "population": {
+        "quantities",
+        "arithmetic",
+        "body",
+        "dynamics",
+        "stability",
+        "modes",
+        "study",
+        "engine",
+        "store",
+        "figures",
+    },
     "edwards2007": {"body", "dynamics", "stability", "modes", "figures"},
 }
 EVERYTHING = {"__init__", "__main__", "cli"}

@@ -1,20 +1,27 @@
 """The command line: the only module that prints, exits or sets flags."""
 
 import argparse
-import errno
 import io
 import json
 import os
-import shlex
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from standfast import __version__
+from standfast.cli.parsing import (
+    StoppedError,
+    add_command,
+    add_run_options,
+    kept_when_stopped,
+    made_folder,
+)
+from standfast.cli.people import assess_parser, population_parser, tell_population
 from standfast.quantities import PARAMETERS, QUANTITIES, InputError, in_bytes
 
 if TYPE_CHECKING:
+    from standfast.population import PopulationStudy
     from standfast.study import Study
     from standfast.sweep import Forecast
     from standfast.thresholds import Contour
@@ -71,27 +78,15 @@ def _parser() -> argparse.ArgumentParser:
     _sweep_parser(commands)
     _thresholds_parser(commands)
     _plot_parser(commands)
+    population_parser(commands)
+    assess_parser(commands)
     _info_parser(commands)
     _reproduce_parser(commands)
     return parser
 
 
-def _command(
-    commands: Any, name: str, run: Callable[[argparse.Namespace], None], summary: str, example: str
-) -> argparse.ArgumentParser:
-    parser: argparse.ArgumentParser = commands.add_parser(
-        name,
-        help=summary,
-        description=summary[0].upper() + summary[1:] + ".",
-        epilog=f"example: standfast {name} {example}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.set_defaults(run=run)
-    return parser
-
-
 def _sweep_parser(commands: Any) -> None:
-    parser = _command(
+    parser = add_command(
         commands,
         "sweep",
         _sweep,
@@ -99,22 +94,11 @@ def _sweep_parser(commands: Any) -> None:
         "studies/atlas.toml -o atlas.h5",
     )
     parser.add_argument("study", type=Path, metavar="STUDY.toml")
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="FILE.h5", help="default: the study's name with .h5"
-    )
-    parser.add_argument(
-        "--part",
-        type=_share,
-        metavar="i/N",
-        help="compute the i-th of N shares only, for array jobs; a later call finishes",
-    )
-    parser.add_argument(
-        "--threads", type=_count, metavar="N", help="threads that compress (default: all cores)"
-    )
+    add_run_options(parser, "compress")
 
 
 def _thresholds_parser(commands: Any) -> None:
-    parser = _command(
+    parser = add_command(
         commands,
         "thresholds",
         _thresholds,
@@ -128,7 +112,7 @@ def _thresholds_parser(commands: Any) -> None:
 
 
 def _plot_parser(commands: Any) -> None:
-    parser = _command(
+    parser = add_command(
         commands,
         "plot",
         _plot,
@@ -151,7 +135,7 @@ def _plot_parser(commands: Any) -> None:
 
 
 def _info_parser(commands: Any) -> None:
-    parser = _command(
+    parser = add_command(
         commands, "info", _info, "say what is inside an atlas file, on one screen", "atlas.h5"
     )
     parser.add_argument("atlas", type=Path, metavar="FILE.h5")
@@ -159,7 +143,7 @@ def _info_parser(commands: Any) -> None:
 
 
 def _reproduce_parser(commands: Any) -> None:
-    parser = _command(
+    parser = add_command(
         commands,
         "reproduce",
         _reproduce,
@@ -174,19 +158,6 @@ def _reproduce_parser(commands: Any) -> None:
         metavar="FOLDER",
         help="where to write (default: %(default)s)",
     )
-
-
-def _share(text: str) -> tuple[int, int]:
-    first, _, last = text.partition("/")
-    if not (first.isdecimal() and last.isdecimal() and 1 <= int(first) <= int(last)):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a share; give i/N, for example 2/8")
-    return int(first), int(last)
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of threads; give 1 or more")
-    return int(text)
 
 
 def _sweep(options: argparse.Namespace) -> None:
@@ -210,7 +181,7 @@ def _sweep(options: argparse.Namespace) -> None:
             progress(done, total)
             stop_if_asked()
 
-        try:
+        with kept_when_stopped(output):
             atlas = sweep(
                 study,
                 output,
@@ -219,17 +190,6 @@ def _sweep(options: argparse.Namespace) -> None:
                 progress=after_tile,
                 announce=after_forecast,
             )
-        except KeyboardInterrupt:
-            raise StoppedError(
-                f"stopped; what is done is kept in {output}.parts. To go on: {_again()}"
-            ) from None
-        except OSError as error:
-            if error.errno == errno.ENOSPC:
-                raise StoppedError(
-                    f"the disk is full; what is done is kept in {output}.parts. "
-                    f"Make room, then go on: {_again()}"
-                ) from None
-            raise
     if atlas is None:
         share = "{}/{}".format(*options.part)
         print(f"Share {share} of {output} is done; without --part the same command finishes it.")
@@ -241,7 +201,7 @@ def _thresholds(options: argparse.Namespace) -> None:
     from standfast import thresholds
 
     source: Path = options.source
-    folder = _folder(options.output)
+    folder = made_folder(options.output)
     if source.suffix == ".toml":
         from standfast.study import Study
 
@@ -284,10 +244,18 @@ def _told(found: Iterator["Contour"]) -> Iterator["Contour"]:
 
 def _plot(options: argparse.Namespace) -> None:
     from standfast.plots import plot
+    from standfast.population.report import is_population, open_population
     from standfast.store import open_atlas
 
+    if is_population(options.atlas):
+        from standfast.population.drawings import draw
+
+        stem = made_folder(options.output) / options.atlas.stem
+        paths = draw(open_population(options.atlas), stem, options.format or ("png",))
+        print(f"Written to {options.output}: {', '.join(path.name for path in paths)}")
+        return
     atlas = open_atlas(options.atlas)
-    folder = _folder(options.output)
+    folder = made_folder(options.output)
     drawn = plot(atlas, folder, quantities=options.quantity, formats=options.format or ("png",))
     print(f"Written to {folder}:")
     for drawing in drawn:
@@ -296,12 +264,27 @@ def _plot(options: argparse.Namespace) -> None:
 
 
 def _info(options: argparse.Namespace) -> None:
+    from standfast.population import PopulationStudy
+    from standfast.population.report import is_population, open_population
     from standfast.store import beginnings, open_atlas
     from standfast.study import Study
 
+    if is_population(options.atlas):
+        found = open_population(options.atlas)
+        if options.json:
+            print(json.dumps({"complete": True, **found.summary}, ensure_ascii=False))
+        else:
+            tell_population(found.summary)
+        return
+    if not options.atlas.exists() and (people_begun := beginnings(options.atlas, PopulationStudy)):
+        _tell_unfinished(options, *people_begun)
+        return
     begun = None if options.atlas.exists() else beginnings(options.atlas, Study)
     if begun is not None:
-        _tell_beginnings(options, *begun)
+        _tell_unfinished(options, *begun)
+        if not options.json:
+            print()
+            _tell_parameters(begun[0])
         return
     atlas = open_atlas(options.atlas)
     study = atlas.study
@@ -338,14 +321,15 @@ def _info(options: argparse.Namespace) -> None:
     print(f"\nstudy {study.fingerprint}")
 
 
-def _tell_beginnings(options: argparse.Namespace, study: "Study", done: int) -> None:
+def _tell_unfinished(
+    options: argparse.Namespace, study: "Study | PopulationStudy", done: int
+) -> None:
     count = study.shard_count
     if options.json:
         print(json.dumps({"title": study.title, "complete": False, "done": done, "of": count}))
         return
     print(f"{options.atlas}: {study.title or 'untitled study'}")
-    print(f"not finished, {done} of {count} shards; the same sweep command goes on\n")
-    _tell_parameters(study)
+    print(f"not finished, {done} of {count} shards; the same command goes on")
 
 
 def _tell_parameters(study: "Study") -> None:
@@ -360,7 +344,7 @@ def _reproduce(options: argparse.Namespace) -> None:
     from standfast.edwards2007.comparison import compare, write_tables
     from standfast.edwards2007.drawings import draw_all
 
-    folder = _folder(options.output)
+    folder = made_folder(options.output)
     comparisons = compare()
     written = [*write_tables(comparisons, folder), *draw_all(folder)]
     for row in comparisons:
@@ -370,19 +354,6 @@ def _reproduce(options: argparse.Namespace) -> None:
             f"{number.what} [{number.unit}] ({number.where})"
         )
     print(f"\nWritten to {folder}: {', '.join(path.name for path in written)}")
-
-
-class StoppedError(Exception):
-    """A run ended early for a reason outside; the message says how to go on."""
-
-
-def _folder(folder: Path) -> Path:
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder
-
-
-def _again() -> str:
-    return "standfast " + " ".join(shlex.quote(word) for word in sys.argv[1:])
 
 
 def _complain(sentence: str, code: int) -> int:

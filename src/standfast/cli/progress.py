@@ -44,7 +44,9 @@ def interruptible() -> Iterator[Callable[[], None]]:
 
 
 @contextlib.contextmanager
-def progress_bar() -> Iterator[tuple[Callable[[Any], None], Callable[[int, int], None]]]:
+def progress_bar(
+    what: str = "values",
+) -> Iterator[tuple[Callable[[Any], None], Callable[[int, int], None]]]:
     """Give a forecast and a bar on a terminal, plain lines elsewhere."""
     console = Console(stderr=True)
 
@@ -72,7 +74,7 @@ def progress_bar() -> Iterator[tuple[Callable[[Any], None], Callable[[int, int],
                 rate = done / elapsed
                 left = (total - done) / rate
                 print(
-                    f"{100 * done // total} %, {rate:.3g} values/s, {left:.0f} s left",
+                    f"{100 * done // total} %, {rate:.3g} {what}/s, {left:.0f} s left",
                     file=sys.stderr,
                 )
 
@@ -89,6 +91,6 @@ def progress_bar() -> Iterator[tuple[Callable[[Any], None], Callable[[int, int],
 
         def advance(done: int, total: int) -> None:
             rate = done / max(time.monotonic() - began, 1e-9)
-            bar.update(task, completed=done, total=total, rate=f"{rate:.3g} values/s")
+            bar.update(task, completed=done, total=total, rate=f"{rate:.3g} {what}/s")
 
         yield announce, advance

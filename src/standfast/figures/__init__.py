@@ -5,6 +5,12 @@ they run, so that a figure reads in grey; the few colours are those of Okabe & I
 for colour-blind readers.
 """
 
+from standfast.figures.population import (
+    risk_by_multiple,
+    risk_map,
+    sobol_bars,
+    survival_curve,
+)
 from standfast.figures.standing import (
     frequency_against_bmi,
     quantity_curves,
@@ -40,9 +46,13 @@ __all__ = [
     "quantity_curves",
     "quantity_map",
     "remark",
+    "risk_by_multiple",
+    "risk_map",
     "root_locus",
     "save",
+    "sobol_bars",
     "stability_contours",
     "stick_figure",
     "strategy_regions",
+    "survival_curve",
 ]

@@ -67,7 +67,7 @@ class Answers:
             "method": study.method,
             "effective_sample_size": effective_size(events, persons),
             "persons_with_details": self.safety.size,
-            "people": self._people(unstable.value),
+            "people": self._people(unstable.value, effective_size(events, persons)),
             "strata": self._strata(),
             "safety_factor": _quantiles(self.safety),
             "growth_rate_of_the_unstable": _quantiles(self.growth),
@@ -77,7 +77,7 @@ class Answers:
         }
         return found
 
-    def _people(self, unstable: float) -> dict[str, Any]:
+    def _people(self, unstable: float, draws: float) -> dict[str, Any]:
         people = self.crowd.people
         if people is None:
             name = str(self.study.content["population"]["builtin"])
@@ -86,27 +86,29 @@ class Answers:
             "source": ", ".join(self.study.content["population"]["people"]),
             "used": len(people),
             "effective_sample_size": people.effective_size,
-            "survey_interval": self._survey_interval(unstable),
+            "survey_interval": self._survey_interval(unstable, draws),
             "not_selected": people.not_selected,
             "rejected": [{"line": r.line, "reason": r.reason} for r in people.rejected],
         }
 
-    def _survey_interval(self, unstable: float) -> list[float] | None:
-        """Return the interval that the sample of people itself leaves open.
+    def _survey_interval(self, unstable: float, draws: float) -> list[float] | None:
+        """Return the interval that also the sample of people itself leaves open.
 
-        By linearisation, √Σ wᵢ² (pᵢ − p)² with the noise of the draws taken off; people are taken
-        as independent, without the survey's clusters.
+        By linearisation, Σ wᵢ² (pᵢ − p)² with the noise of the draws taken off, and the variance
+        of the simulation added; people are taken as independent, without the survey's clusters.
         """
         people = self.crowd.people
         if people is None or len(people) < 2:
             return None
         weight = people.weight / people.weight.sum()
-        draws, falls = self.rows.T
-        seen = draws > 0
-        share = falls[seen] / draws[seen]
-        noise = share * (1.0 - share) / np.maximum(draws[seen] - 1, 1)
+        stands, falls = self.rows.T
+        times = stands + falls
+        seen = times > 0
+        share = falls[seen] / times[seen]
+        noise = share * (1.0 - share) / np.maximum(times[seen] - 1, 1)
         squared = weight[seen] ** 2 * ((share - unstable) ** 2 - noise)
-        half = NORMAL_QUANTILE * math.sqrt(max(float(squared.sum()), 0.0))
+        simulated = unstable * (1.0 - unstable) / draws
+        half = NORMAL_QUANTILE * math.sqrt(max(float(squared.sum()), 0.0) + simulated)
         return [max(unstable - half, 0.0), min(unstable + half, 1.0)]
 
     def _strata(self) -> dict[str, Any]:

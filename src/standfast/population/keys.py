@@ -53,10 +53,14 @@ def checked_stiffness(given: Any) -> tuple[dict[str, Law], Correlation]:
     return laws, checked_correlation(given["correlation"], laws)
 
 
-def checked_population(given: Any, folder: Path) -> dict[str, Any]:
-    """Check who is simulated and how many; return all keys, with their defaults."""
+def checked_population(given: Any, folder: Path) -> tuple[dict[str, Any], tuple[Path, ...]]:
+    """Check who is simulated and how many; return all keys, and where the people are.
+
+    Of a file of people the keys hold its name and the hash of its content, not where it lies.
+    """
     known_keys("[population]", given, POPULATION_KEYS)
     checked: dict[str, Any] = {}
+    files: tuple[Path, ...] = ()
     if ("people" in given) == ("builtin" in given):
         have = "both are given" if "people" in given else "neither is given"
         raise InputError(
@@ -70,8 +74,9 @@ def checked_population(given: Any, folder: Path) -> dict[str, Any]:
                 f"population.people = {given['people']!r} is not the name of a CSV file, "
                 "or a list of files to be joined"
             )
-        checked["people"] = list(names)
-        checked["people_sha256"] = digest([folder / name for name in names])
+        files = tuple(folder / name for name in names)
+        checked["people"] = [path.name for path in files]
+        checked["people_sha256"] = digest(files)
     else:
         checked["builtin"] = _choice("builtin", given["builtin"], tuple(POPULATIONS))
     if "sex" in given:
@@ -89,7 +94,7 @@ def checked_population(given: Any, folder: Path) -> dict[str, Any]:
     largest = LARGEST_SIZE if checked["method"] == "monte-carlo" else LARGEST_QUASI
     checked["size"] = _whole("size", given.get("size", 1_000_000), 1, largest)
     checked["seed"] = _whole("seed", given.get("seed", 0), 0, 2**63 - 1)
-    return checked
+    return checked, files
 
 
 def _choice(key: str, given: Any, known: tuple[str, ...]) -> str:

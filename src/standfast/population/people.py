@@ -151,18 +151,19 @@ def read_people(
         for table in more:
             joined = {**table.get(_plain_id(row["id"]), {}), **joined}
         try:
-            person = _checked_person(joined, needed)
+            sex, age = _sex(joined.get("sex", "")), _optional(joined.get("age", ""), "age", AGE)
+            if selected is not None and not selected(sex, age):
+                not_selected += 1
+                continue
+            person = {**_checked_person(joined, needed), "sex": sex, "age": age}
         except InputError as error:
             rejection = Rejection(first.name, line, str(error))
             if strict:
                 raise InputError(f"{rejection} (--strict)") from None
             rejected.append(rejection)
             continue
-        if selected is None or selected(str(person["sex"]), float(str(person["age"]))):
-            person["id"] = joined.get("id") or str(line)
-            persons.append(person)
-        else:
-            not_selected += 1
+        person["id"] = joined.get("id") or str(line)
+        persons.append(person)
     if not persons:
         raise InputError(_nobody(first, rejected, not_selected))
 
@@ -311,8 +312,6 @@ def _checked_person(row: Mapping[str, str], needed: Sequence[str]) -> dict[str, 
         person[field] = _number(row[field], field, PARAMETERS[field])
     if row.get("pregnant", "") in ("1", "1.0"):
         raise InputError("pregnant, for which no body model holds")
-    person["sex"] = _sex(row.get("sex", ""))
-    person["age"] = _optional(row.get("age", ""), "age", AGE)
     weight = row.get("weight")
     person["weight"] = 1.0 if weight is None else _number(weight, "weight", WEIGHT)
     for joint in STIFFNESS_FIELDS:

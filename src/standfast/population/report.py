@@ -55,6 +55,15 @@ class Population:
         return values
 
 
+def is_population(path: Path) -> bool:
+    """Return whether a file says that it is a population; what is wrong with it is not asked."""
+    try:
+        with h5py.File(path, "r") as file:
+            return said(file, "format") == FORMAT
+    except OSError:
+        return False
+
+
 def open_population(path: str | Path) -> Population:
     """Open the file of a simulated population and check that it is one.
 

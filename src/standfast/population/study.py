@@ -38,11 +38,11 @@ BLOCKS_PER_SHARD, BLOCKS_PER_SHARD_KEPT = 128, 4
 class PopulationStudy:
     """A checked study of a population; make one with :meth:`from_toml` or :meth:`from_dict`.
 
-    ``content`` is its canonical form, ``folder`` where the files of people are looked for.
+    ``content`` is its canonical form, ``files`` where its people are.
     """
 
     content: Mapping[str, Any]
-    folder: Path
+    files: tuple[Path, ...]
 
     @classmethod
     def from_toml(cls, path: str | Path) -> "PopulationStudy":
@@ -76,7 +76,6 @@ class PopulationStudy:
         title = content.get("title", "")
         if not isinstance(title, str) or not title.isprintable():
             raise InputError(f"title = {title!r} is not one line of text")
-        folder = Path(folder)
         gravity = content.get("gravity", STANDARD_GRAVITY)
         if isinstance(gravity, list | tuple | Mapping):
             raise InputError("gravity is one number in a population, without list or range")
@@ -89,7 +88,7 @@ class PopulationStudy:
         kept = content.get("output", {}).get("persons", False)
         if not isinstance(kept, bool):
             raise InputError(f"output.persons = {kept!r} is not true or false")
-        population = checked_population(content["population"], folder)
+        population, files = checked_population(content["population"], Path(folder))
         if kept and population["size"] > MOST_KEPT:
             raise InputError(
                 f"output.persons keeps at most {MOST_KEPT:,} persons, "
@@ -106,7 +105,7 @@ class PopulationStudy:
                 },
                 "output": {"persons": kept},
             },
-            folder,
+            files,
         )
 
     @classmethod
@@ -128,7 +127,7 @@ class PopulationStudy:
             or "size" not in sections["population"]
         ):
             raise InputError("the study inside the file cannot be read")
-        return cls(content, Path())
+        return cls(content, ())
 
     @cached_property
     def canonical(self) -> str:
@@ -208,9 +207,9 @@ class PopulationStudy:
         """
         if "people" not in self._population:
             return None
-        paths = [self.folder / name for name in self._population["people"]]
-        if digest(paths) != self._population["people_sha256"]:
-            raise InputError(f"{', '.join(map(str, paths))} changed while it was read; try again")
+        if digest(self.files) != self._population["people_sha256"]:
+            names = ", ".join(map(str, self.files))
+            raise InputError(f"{names} changed while it was read; try again")
         sex, age = self._population.get("sex"), self._population.get("age")
         lowest, highest = age_range(age) if age is not None else (0.0, math.inf)
         measured = [
@@ -219,7 +218,7 @@ class PopulationStudy:
             if law.distribution == "measured"
         ]
         return read_people(
-            paths,
+            self.files,
             strict=strict,
             needed=measured,
             selected=lambda of, years: (

@@ -110,7 +110,7 @@ class Tally:
     load_sums : (2, 3), N·m/rad
         sums of the joints' loads and of their squares.
     rows : (rows, 2)
-        draws of each person of a file, and how often they fell.
+        how often each person of a file was drawn and stood, and was drawn and fell.
     """
 
     cells: np.ndarray

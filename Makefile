@@ -1,5 +1,6 @@
 # Everything a checkout needs, on a machine with Python 3.11 or newer and make.
 #   make atlas      set up, then the dense atlas of the nominal adult into results/atlas/
+#   make population a Monte Carlo of US adults into results/us-adults/
 #   make test       set up, then run the tests
 #   make check      format, lint, types, tests
 #   make reproduce  the 2007 paper, number by number
@@ -7,7 +8,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: atlas test check reproduce format clean
+.PHONY: atlas population test check reproduce format clean
 .DELETE_ON_ERROR:
 
 atlas: $(VENV)/run.stamp
@@ -15,6 +16,13 @@ atlas: $(VENV)/run.stamp
 	$(BIN)/standfast sweep studies/atlas.toml -o results/atlas/atlas.h5
 	$(BIN)/standfast thresholds results/atlas/atlas.h5 -o results/atlas
 	$(BIN)/standfast plot results/atlas/atlas.h5 -o results/atlas
+
+population: $(VENV)/run.stamp
+	mkdir -p results/us-adults
+	rm -f results/us-adults/us-adults.h5
+	$(BIN)/standfast population studies/us-adults.toml -o results/us-adults/us-adults.h5 \
+	  > results/us-adults/us-adults.txt
+	cat results/us-adults/us-adults.txt
 
 reproduce: $(VENV)/run.stamp
 	$(BIN)/standfast reproduce

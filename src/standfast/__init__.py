@@ -28,6 +28,7 @@ from standfast.study import Study
 from standfast.sweep import sweep
 
 if TYPE_CHECKING:
+    from standfast.population import PopulationStudy, simulate
     from standfast.store import Atlas, open_atlas
 
 __version__ = "0.1.0"
@@ -38,6 +39,7 @@ __all__ = [
     "Body",
     "InputError",
     "Modes",
+    "PopulationStudy",
     "Stiffness",
     "Study",
     "critical_stiffness",
@@ -52,6 +54,7 @@ __all__ = [
     "open_atlas",
     "potential_energy",
     "safety_factor",
+    "simulate",
     "stability_determinant",
     "stiffness_matrix",
     "stiffness_reserve",
@@ -61,11 +64,15 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Import what needs h5py when it is first asked for."""
+    """Import what needs h5py or JAX when it is first asked for."""
     if name in ("Atlas", "open_atlas"):
         from standfast import store  # noqa: PLC0415
 
         return getattr(store, name)
+    if name in ("PopulationStudy", "simulate"):
+        from standfast import population  # noqa: PLC0415
+
+        return getattr(population, name)
     raise AttributeError(f"module 'standfast' has no attribute {name!r}")
 
 

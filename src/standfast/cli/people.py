@@ -158,8 +158,8 @@ def tell_population(summary: dict[str, Any]) -> None:
         print(f"\ndrivers of {what}: share of its variance, alone and with all others")
         for factor, found in factors.items():
             print(
-                f"  {factor:34} {found['first']:6.3f} ± {_half(found['first_interval']):.3f}   "
-                f"{found['total']:6.3f} ± {_half(found['total_interval']):.3f}"
+                f"  {factor:34} {_index(found['first'], found['first_interval'])}   "
+                f"{_index(found['total'], found['total_interval'])}"
             )
 
 
@@ -177,8 +177,9 @@ def _percent(share: float) -> str:
     return f"{100.0 * share:.3g} %"
 
 
-def _half(interval: Sequence[float]) -> float:
-    return 0.5 * (interval[1] - interval[0])
+def _index(value: float, interval: Sequence[float]) -> str:
+    # adding 0 turns the -0 of a rounded index into 0
+    return f"{round(value, 3) + 0.0:6.3f} ± {0.5 * (interval[1] - interval[0]):.3f}"
 
 
 def _assess(options: argparse.Namespace) -> None:

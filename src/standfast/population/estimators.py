@@ -107,23 +107,25 @@ class Distribution:
     def quantile(self, share: float) -> Estimate:
         """Return the value below which a share lies; ``inf`` beyond the bins, 0 before them.
 
-        With one replicate the interval comes from the ranks n q ± z √(n q (1 − q)).
+        The interval is Woodruff's (J Am Stat Assoc 47 (1952) 635-646): that of the share below
+        the value, from √(q (1 − q) / n) or from the spread of the replicates, turned into values.
         """
         total = self.counts.sum(axis=0)
         value = self._at(total, share)
-        if len(self.counts) == 1:
+        if len(self.counts) == 1 or not math.isfinite(value):
             spread = NORMAL_QUANTILE * math.sqrt(share * (1.0 - share) / self.size)
-            return Estimate(
-                value,
-                self._at(total, max(share - spread, 0.0)),
-                self._at(total, min(share + spread, 1.0)),
+        else:
+            around = over_replicates(
+                np.array(
+                    [np.interp(value, self.edges, self._cumulated(each)) for each in self.counts]
+                )
             )
-        each = np.array([self._at(counts, share) for counts in self.counts])
-        if np.isinf(each).any():
-            return Estimate(value, float(each.min()), math.inf)
-        around = over_replicates(each)
-        half = around.high - around.value
-        return Estimate(value, max(value - half, 0.0), value + half)
+            spread = around.high - around.value
+        return Estimate(
+            value,
+            self._at(total, max(share - spread, 0.0)),
+            self._at(total, min(share + spread, 1.0)),
+        )
 
     @staticmethod
     def _cumulated(counts: np.ndarray) -> np.ndarray:
@@ -180,11 +182,18 @@ def sobol_indices(first: np.ndarray, second: np.ndarray, mixed: np.ndarray) -> S
         raise NoVarianceError
     # the mean over all replicates, taken off, leaves the estimators unchanged and their spread low
     centre = both.mean()
-    variance = both.var()
+    variance = ((both - centre) ** 2).mean(axis=1)
     a, b, ab = first - centre, second - centre, mixed - centre
-    main = (b[:, None, :] * (ab - a[:, None, :])).mean(axis=2) / variance
-    total = 0.5 * ((a[:, None, :] - ab) ** 2).mean(axis=2) / variance
+    main = (b[:, None, :] * (ab - a[:, None, :])).mean(axis=2)
+    total = 0.5 * ((a[:, None, :] - ab) ** 2).mean(axis=2)
     return SobolIndices(
-        tuple(over_replicates(column) for column in main.T),
-        tuple(over_replicates(column) for column in total.T),
+        tuple(_ratio(column, variance) for column in main.T),
+        tuple(_ratio(column, variance) for column in total.T),
     )
+
+
+def _ratio(over: np.ndarray, under: np.ndarray) -> Estimate:
+    """Return the ratio of two means over replicates, with the spread of both in its interval."""
+    ratio = float(over.mean() / under.mean())
+    residual = over_replicates((over - ratio * under) / under.mean())
+    return Estimate(ratio, ratio + residual.low, ratio + residual.high)

@@ -136,6 +136,8 @@ class Study:
         InputError
             naming the key, what was given and what would be right.
         """
+        if isinstance(content, Mapping) and "population" in content:
+            raise InputError("this is the study of a population; run: standfast population")
         known_keys("study", content, TOP_KEYS)
         title = content.get("title", "")
         if not isinstance(title, str) or not title.isprintable():

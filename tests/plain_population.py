@@ -1,0 +1,61 @@
+"""A population by plain NumPy, written apart from the package: no code of it is used.
+
+Its own random numbers, its own body proportions (Winter's table, from the reference), and the
+verdict from the leading minors of C.
+"""
+
+import numpy as np
+
+# Winter: masses of both legs' segments of body mass, lengths and centres of mass of stature.
+MASS = np.array([0.093, 0.200, 0.678])
+LENGTH = np.array([0.246, 0.245])
+CENTRE = np.array([0.567 * 0.246, 0.567 * 0.245, 0.626 * 0.288])
+
+
+def loads(height, mass, gravity):
+    """Gravity part of C: G1, G2, G3 of every person."""
+    shank, thigh, upper = (mass * share for share in MASS)
+    low = gravity * (shank * CENTRE[0] + (thigh + upper) * LENGTH[0]) * height
+    middle = gravity * (thigh * CENTRE[1] + upper * LENGTH[1]) * height
+    top = gravity * upper * CENTRE[2] * height
+    return low + middle + top, middle + top, top
+
+
+def falls(height, mass, gravity, ankle, knee, hip):
+    """Whether C is not positive definite, by Sylvester's minors; inf is rigid."""
+    g1, g2, g3 = loads(height, mass, gravity)
+    matrix = np.empty((len(height), 3, 3))
+    matrix[:, 0, 0], matrix[:, 1, 1], matrix[:, 2, 2] = ankle - g1, knee - g2, hip - g3
+    matrix[:, 0, 1] = matrix[:, 1, 0] = -g2
+    matrix[:, 0, 2] = matrix[:, 2, 0] = -g3
+    matrix[:, 1, 2] = matrix[:, 2, 1] = -g3
+    # a rigid joint is taken out: its row and column are those of the identity
+    for joint, stiffness in enumerate((ankle, knee, hip)):
+        rigid = np.isinf(np.broadcast_to(stiffness, height.shape))
+        matrix[rigid, joint, :] = matrix[rigid, :, joint] = 0.0
+        matrix[rigid, joint, joint] = 1.0
+    minors = (np.linalg.det(matrix[:, :n, :n]) for n in (1, 2, 3))
+    return ~np.logical_and.reduce([minor > 0.0 for minor in minors])
+
+
+def drawn_group(random, size, mean, sd, shift, log_mean, log_sd, correlation):
+    """Heights (m) and masses (kg) of one group."""
+    both = random.multivariate_normal([0, 0], [[1, correlation], [correlation, 1]], size)
+    height = mean + sd * both[:, 0]
+    bmi = shift + np.exp(log_mean + log_sd * both[:, 1])
+    return height, bmi * height**2
+
+
+def truncated_normal(random, size, mean, sd):
+    """Normal numbers, those below 0 drawn again."""
+    values = random.normal(mean, sd, size)
+    while (values < 0.0).any():
+        below = values < 0.0
+        values[below] = random.normal(mean, sd, below.sum())
+    return values
+
+
+def lognormal(random, size, mean, sd):
+    """Lognormal numbers with this mean and sd."""
+    sigma = np.sqrt(np.log(1.0 + (sd / mean) ** 2))
+    return random.lognormal(np.log(mean) - sigma**2 / 2.0, sigma, size)

@@ -8,7 +8,7 @@ import pytest
 import scipy.linalg
 
 import standfast as sf
-from standfast.engine import evaluator
+from standfast.engine import Evaluator
 from standfast.quantities import QUANTITIES
 from standfast.stability import load_rounding
 from studies import UNEQUAL, changed
@@ -22,7 +22,7 @@ RTOL = 1e-11
 @pytest.fixture(scope="module")
 def grids():
     study = sf.Study.from_dict(UNEQUAL)
-    evaluate = evaluator(study)
+    evaluate = Evaluator(study)
     arrays = {}
     for index, group in enumerate(study.groups):
         assert group.tile_count == 1
@@ -151,7 +151,7 @@ def test_far_chunks_are_the_same_as_near_ones():
             changed("output.quantities", ["stable", "stability_determinant"]),
         )
     )
-    evaluate = evaluator(study)
+    evaluate = Evaluator(study)
     body, gravity = sf.Body.from_height_mass(1.75, 80.0), 9.8
     rng = np.random.default_rng(4)
     for index, group in enumerate(study.groups):
@@ -192,7 +192,7 @@ def test_a_study_without_axes_is_one_number():
         changed("stiffness.ankle", 900.0, changed("output.quantities", ["stable", "frequency"]))
     )
     assert study.axes == {}
-    (stable,), (hertz,) = (evaluator(study)(study.tile(index, 0)) for index in (0, 1))
+    (stable,), (hertz,) = (Evaluator(study)(study.tile(index, 0)) for index in (0, 1))
     person = sf.Body.from_height_mass(1.75, 80.0), sf.Stiffness(900.0, 2000.0, 500.0), 9.8
     assert bool(stable) == sf.is_stable(*person)
     assert float(hertz) == pytest.approx(float(sf.frequency(sf.modes(*person).eigenvalues[0])))
@@ -201,7 +201,7 @@ def test_a_study_without_axes_is_one_number():
 def test_the_engine_asks_for_double_precision_itself():
     study = sf.Study.from_dict(changed("output.quantities", ["stable", "safety_factor"]))
     with jax.enable_x64(False):
-        (factors,) = evaluator(study)(study.tile(1, 0))
-        (verdicts,) = evaluator(study)(study.tile(0, 0))
+        (factors,) = Evaluator(study)(study.tile(1, 0))
+        (verdicts,) = Evaluator(study)(study.tile(0, 0))
     assert factors.dtype == np.float64
     assert verdicts.dtype == np.uint8

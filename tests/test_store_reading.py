@@ -15,14 +15,14 @@ import pytest
 import xarray
 
 import standfast as sf
-from standfast.engine import evaluator
+from standfast.engine import Evaluator
 from standfast.quantities import PARAMETERS, QUANTITIES
 from studies import GOOD, UNEQUAL, changed
 
 
 def test_values_are_those_of_the_engine(study, whole):
     atlas = sf.open_atlas(whole[0])
-    evaluate = evaluator(study)
+    evaluate = Evaluator(study)
     for index, group in enumerate(study.groups):
         for number in {0, group.tile_count - 1}:
             tile = study.tile(index, number)

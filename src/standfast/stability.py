@@ -267,21 +267,24 @@ def signed_by(stable: Scalar, value: Scalar) -> Scalar:
     return xp.where(stable, xp.maximum(size, xp.finfo(xp.float64).tiny), -size)[()]
 
 
-def load_rounding(body: Body, stiffness: Stiffness, gravity: Scalar) -> Vector:
+def load_rounding(
+    body: Body, stiffness: Stiffness, gravity: Scalar, *, scaling: float = 0.0
+) -> Vector:
     """Return bounds on the rounding errors of :func:`carried_loads` (N·m/rad).
 
     A running error analysis with the unit roundoff u = 2⁻⁵³, body, stiffness and gravity taken as
     exact: γs, γt, γb have the relative errors 4u, 3u, 2u. A load L with relative error ε gives
     the ratio r = L/K the error ε + u, the rest 1 − r the relative error δ = r (ε + u)/(1 − r) + u,
     and the load handed on ε + δ + u. The bound is infinite where δ is not small against 1, and
-    holds with fused multiplications too, which only round less often.
+    holds with fused multiplications too, which only round less often. ``scaling`` is a relative
+    error that the gravity loads have beside, where the body was scaled in floating point.
     """
     xp = namespace(*body, *stiffness, gravity)
     loads = carried_loads(body, stiffness, gravity)
     at_ankle, at_knee, at_hip = loads
-    hip_error = 2.0 * ROUNDOFF
-    knee_error = _error_after(at_hip, hip_error, stiffness.hip, own=3.0 * ROUNDOFF)
-    ankle_error = _error_after(at_knee, knee_error, stiffness.knee, own=4.0 * ROUNDOFF)
+    hip_error = 2.0 * ROUNDOFF + scaling
+    knee_error = _error_after(at_hip, hip_error, stiffness.hip, own=3.0 * ROUNDOFF + scaling)
+    ankle_error = _error_after(at_knee, knee_error, stiffness.knee, own=4.0 * ROUNDOFF + scaling)
     return (
         xp.where(xp.isinf(at_ankle), xp.inf, at_ankle * ankle_error),
         xp.where(xp.isinf(at_knee), xp.inf, at_knee * knee_error),
@@ -305,6 +308,33 @@ def _error_after(load: Scalar, error: Scalar, stiffness: Scalar, *, own: float) 
     # the sum is a weighted mean of its terms' errors, and one more rounding
     total = SECOND_ORDER * (xp.maximum(handed, own) + ROUNDOFF)
     return xp.where((stiffness > load) & (total < LARGEST_RELATIVE_ERROR), total, xp.inf)
+
+
+@np.errstate(all="ignore")
+def threshold_interval(
+    body: Body, knee: Scalar, hip: Scalar, gravity: Scalar, *, scaling: float = 0.0
+) -> tuple[Scalar, Scalar]:
+    """Return the ends between which the ankle's exact threshold lies for certain (N·m/rad).
+
+    Both infinite where knee or hip fail beyond doubt; 0 and infinity where that is in doubt. The
+    bounds are those of :func:`load_rounding`.
+    """
+    stiffness = Stiffness._make((0.0, knee, hip))
+    xp = namespace(*body, knee, hip, gravity)
+    at_ankle, at_knee, at_hip = carried_loads(body, stiffness, gravity)
+    ankle_error, knee_error, hip_error = load_rounding(body, stiffness, gravity, scaling=scaling)
+    hip_fails = hip < at_hip - hip_error
+    hip_holds = hip > at_hip + hip_error
+    known = hip_holds & xp.isfinite(knee_error)
+    knee_fails = known & (knee < at_knee - knee_error)
+    holds = known & (knee > at_knee + knee_error) & xp.isfinite(ankle_error)
+    falls = hip_fails | knee_fails
+    # the ends are rounded outward by more than their own rounding
+    low, high = at_ankle - 1.01 * ankle_error, at_ankle + 1.01 * ankle_error
+    return (
+        xp.where(falls, xp.inf, xp.where(holds, low, 0.0)),
+        xp.where(falls, xp.inf, xp.where(holds, high, xp.inf)),
+    )
 
 
 def verdict_is_certain(

@@ -103,14 +103,16 @@ def sweep(
         if part is not None:
             missing = [number for number in missing if number % part[1] == part[0] - 1]
         values = sum(_points(study, tile) for number in missing for tile in study.shard(number))
+        settled = 0
         if missing:
             workers = threads or os.cpu_count() or 1
-            _compute(study, place, missing, values, workers, progress, announce)
+            settled = _compute(study, place, missing, values, workers, progress, announce)
         if part is not None:
             return None
         place.finish(lambda partial: assemble(place, partial))
     with contextlib.suppress(OSError):  # the atlas is whole; its story is a courtesy
-        _write_story(study, output, __version__, time.perf_counter() - began, values)
+        seconds = time.perf_counter() - began
+        _write_story(study, output, __version__, seconds, values, settled)
     return open_atlas(output)
 
 
@@ -135,12 +137,16 @@ def _compute(
     threads: int,
     progress: Progress | None,
     announce: Announce | None,
-) -> None:
-    """Compute the missing shards, ``total`` values; one is written while the next is computed."""
-    from standfast.engine import evaluator  # noqa: PLC0415 - imports JAX
+) -> int:
+    """Compute the missing shards, ``total`` values; one is written while the next is computed.
 
-    evaluate = evaluator(study)
+    Returns how many verdicts exact arithmetic had to settle.
+    """
+    from standfast.engine import Evaluator  # noqa: PLC0415 - imports JAX
+
+    evaluate = Evaluator(study)
     forecast = _forecast(study, evaluate, place.folder, total)
+    evaluate.settled = 0  # the tiles of the forecast are computed again
     if forecast.disk_bytes > forecast.free_bytes:
         raise InputError(
             f"the study needs about {in_bytes(forecast.disk_bytes)} of disk until it is finished, "
@@ -164,6 +170,7 @@ def _compute(
             written = writer.submit(_write, place, number, packed)
         if written is not None:
             written.result()
+    return evaluate.settled
 
 
 def _write(place: "Workplace[Study]", number: int, packed: list[Packed]) -> None:
@@ -230,7 +237,9 @@ def _points(study: Study, tile: Tile) -> int:
     return math.prod(inside) * len(group.quantities)
 
 
-def _write_story(study: Study, output: Path, version: str, seconds: float, values: int) -> None:
+def _write_story(
+    study: Study, output: Path, version: str, seconds: float, values: int, settled: int
+) -> None:
     """Tell the run's story beside the file: what may differ from run to run."""
     story = {
         "study": study.title,
@@ -239,6 +248,7 @@ def _write_story(study: Study, output: Path, version: str, seconds: float, value
         "seconds": round(seconds, 3),
         "values_computed_in_this_run": values,
         "values_per_second": round(values / seconds),
+        "verdicts_settled_by_exact_arithmetic": settled,
         "shards": study.shard_count,
         "bytes_before_compression": study.raw_bytes,
         "bytes": output.stat().st_size,

@@ -53,7 +53,7 @@ def test_population_tells_draws_and_writes(place, capsys):
     told = capsys.readouterr().out
     assert "20,000 persons drawn from people.csv, seed 5" in told
     assert "4 people used, 1 rows rejected, 0 not selected" in told
-    assert "line 5: height = 165 is outside the allowed range" in told
+    assert "people.csv, line 5: height = 165 is outside the allowed range" in told
     assert "drivers of falling" in told
     names = {path.name for path in place.iterdir()}
     assert names == {
@@ -68,8 +68,8 @@ def test_population_tells_draws_and_writes(place, capsys):
         "women-drivers-safety_factor.png",
     }
     header, row = (place / "women-rejected.csv").read_text(encoding="utf-8").splitlines()
-    assert header == "line,reason"
-    assert row.startswith('5,"height = 165 is outside')
+    assert header == "file,line,reason"
+    assert row.startswith('people.csv,5,"height = 165 is outside')
     # the same command again, and the commands that read the file
     assert main(["population", "women.toml", "--no-figures"]) == 0
     assert capsys.readouterr().out.splitlines()[:8] == told.splitlines()[:8]

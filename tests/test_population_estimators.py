@@ -141,3 +141,14 @@ def test_no_variance_is_said_and_not_divided_by():
     constant = np.full((4, 8), 2.5)
     with pytest.raises(NoVarianceError):
         sobol_indices(constant, constant, constant[:, None])
+
+
+def test_where_many_draws_are_one_value_the_interval_holds_it():
+    """Draws from few people: the bin is known, the place in it is not."""
+    values = np.repeat([1512.55, 1001.0, 1333.3], [300, 500, 200])
+    counts = np.bincount(bin_of(values), minlength=VALUE_BINS + 2)
+    of_counts = Distribution(bin_edges(), counts[None])
+    for share, value in ((0.3, 1001.0), (0.6, 1333.3), (0.95, 1512.55)):
+        found = of_counts.quantile(share)
+        assert found.low <= value <= found.high
+        assert found.high / found.low < 1.01

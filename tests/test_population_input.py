@@ -77,6 +77,12 @@ WRONG = [
     ("output.persons", "yes", "output.persons = 'yes' is not true or false"),
     ("body", {"height": 1.7}, "study has no key 'body'"),
     ("title", 5, "title = 5 is not one line of text"),
+    (
+        "stiffness.hip",
+        {"distribution": "measured"},
+        "stiffness.hip: measured needs people with a column hip_stiffness, and a built-in",
+    ),
+    ("stiffness.hip", {"law": "casadio-2005"}, "'casadio-2005' is a law of the ankle"),
 ]
 
 
@@ -227,8 +233,35 @@ def test_files_that_are_not_there_or_cannot_be_joined(tmp_path):
         read_people([tmp_path])
     for name in ("a.csv", "b.csv"):
         (tmp_path / name).write_text("height,mass\n1.7,70\n")
-    with pytest.raises(sf.InputError, match="cannot be joined: each needs a column of ids"):
-        read_people([tmp_path / "a.csv", tmp_path / "b.csv"])
+    (tmp_path / "c.csv").write_text("sex,age\nmale,30\n")
+    with pytest.raises(sf.InputError, match=r"cannot be joined: a\.csv has no column of ids"):
+        read_people([tmp_path / "a.csv", tmp_path / "c.csv"])
+    (tmp_path / "a.csv").write_text("id,height,mass\nA,1.7,70\n")
+    (tmp_path / "c.csv").write_text("id,age\nX,30\n")
+    with pytest.raises(sf.InputError, match=r"c\.csv has no id that a\.csv has"):
+        read_people([tmp_path / "a.csv", tmp_path / "c.csv"])
+    (tmp_path / "c.csv").write_text("id,age\nA,30\nA,31\n")
+    with pytest.raises(sf.InputError, match=r"c\.csv, line 3: the id 'A' is there twice"):
+        read_people([tmp_path / "a.csv", tmp_path / "c.csv"])
+
+
+def test_files_with_height_and_mass_are_put_together(tmp_path):
+    (tmp_path / "a.csv").write_text("height,mass\n1.7,70\n1.8,800\n")
+    (tmp_path / "b.csv").write_text("stature,weightkg,Gender\n1650,600,Female\n")
+    people = read_people([tmp_path / "b.csv", tmp_path / "a.csv"])
+    assert people.height.tolist() == [1.65, 1.7]
+    assert people.sex == ("female", "unknown")
+    (rejected,) = people.rejected
+    assert str(rejected).startswith("a.csv, line 3: mass = 800 is outside")
+
+
+def test_what_a_user_may_not_have_meant_is_remarked(tmp_path):
+    people = read(tmp_path, "name,height,mass,ankle_stiffnes,years\nJo,1.2,30,900,9\n")
+    assert people.id == ("Jo",)
+    assert people.remarks == (
+        "people.csv: the column 'ankle_stiffnes' is not used; did you mean 'ankle_stiffness'?",
+        "1 are under 18 years, and the body models are of adults",
+    )
 
 
 def test_files_are_joined_by_id_whatever_its_form(tmp_path):

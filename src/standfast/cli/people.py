@@ -4,6 +4,7 @@ import argparse
 import csv
 import json
 import math
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -126,6 +127,14 @@ def tell_population(summary: dict[str, Any]) -> None:
             f"{people['not_selected']:,} not selected"
         )
         _tell_rejected(people["rejected"])
+        for remark in people["remarks"]:
+            print(f"    note: {remark}")
+    for joint in ("ankle", "knee", "hip"):
+        law = dict(summary["laws"][joint])
+        kind, relative = law.pop("distribution"), law.pop("relative_to")
+        numbers = ", ".join(f"{name} {value}" for name, value in law.items())
+        unit = {"absolute": "N·m/rad", "mgh": "of mgh"}.get(relative, "of the own threshold")
+        print(f"  {joint:6} {kind} {numbers} {unit if numbers else ''}".rstrip())
     low, high = summary["unstable_fraction_interval"]
     unstable = _percent(summary["unstable_fraction"])
     print(f"\nunstable   {unstable}   [{_percent(low)}, {_percent(high)}]")
@@ -144,23 +153,35 @@ def tell_population(summary: dict[str, Any]) -> None:
     print("\nstiffness each joint needs with the other two rigid, N·m/rad")
     for joint, load in summary["single_joint_critical_stiffness"].items():
         print(f"  {joint:12} mean {load['mean']:.4g}, sd {load['sd']:.4g}")
+    _tell_quantiles("safety factor", summary["safety_factor"], "")
+    _tell_quantiles("growth rate of falls", summary["growth_rate_of_the_unstable"], " 1/s")
     print("\nstiffness at which that share stands, N·m/rad (as a multiple of the law)")
     required = summary["required_stiffness"]
-    print(f"  {'':12}" + "".join(f"{_percent(float(share)):>17}" for share in required["all"]))
+    print(f"  {'':12}" + "".join(f"{_percent(float(share)):>20}" for share in required["all"]))
     for joint, shares in required.items():
-        words = "".join(f"{_required(found):>17}" for found in shares.values())
+        words = "".join(f"{_required(found):>20}" for found in shares.values())
         print(f"  {joint if joint != 'all' else 'all at once':12}{words}")
     for output, factors in summary["drivers"].items():
         what = "falling" if output == "unstable" else "the safety factor"
         if "remark" in factors:
             print(f"\ndrivers of {what}: {factors['remark']}")
             continue
-        print(f"\ndrivers of {what}: share of its variance, alone and with all others")
+        print(
+            f"\ndrivers of {what}: Sobol indices, first order (alone) and total (with all others)"
+        )
         for factor, found in factors.items():
             print(
                 f"  {factor:34} {_index(found['first'], found['first_interval'])}   "
                 f"{_index(found['total'], found['total_interval'])}"
             )
+
+
+def _tell_quantiles(what: str, shares: dict[str, Any] | None, unit: str) -> None:
+    if shares is None:
+        return
+    low, middle, high = (shares[share]["value"] for share in ("0.05", "0.5", "0.95"))
+    words = [f"{value:.3g}{unit}" if value is not None else "∞" for value in (middle, low, high)]
+    print(f"{what}: median {words[0]}, nine in ten from {words[1]} to {words[2]}")
 
 
 def _required(found: dict[str, Any]) -> str:
@@ -210,16 +231,23 @@ def _assess(options: argparse.Namespace) -> None:
         return
     print(f"{summary['persons']:,} persons assessed, {len(people.rejected):,} rows rejected")
     _tell_rejected(summary["rejected"])
+    for remark in summary["remarks"]:
+        print(f"    note: {remark}")
     for joint, (low, middle, high) in summary["threshold_alone"].items():
         print(
-            f"  {joint:6} alone needs {middle:.4g} N·m/rad (middle; {low:.4g} to {high:.4g} "
-            "for nine in ten)"
+            f"  {joint:6} alone, the others rigid, needs {middle:.4g} N·m/rad (median; "
+            f"{low:.4g} to {high:.4g} for nine in ten)"
         )
     if summary["judged"]:
         print(f"  {summary['stand']:,} of {summary['judged']:,} with known stiffness stand", end="")
-        print(f", {summary['hip_strategy']:,} sway from the hip")
+        print(
+            f", {summary['stand_with_hip_strategy']:,} of them by the hip strategy "
+            "(the hip turns more than the ankle)"
+        )
         for joint, fallen in summary["least_gain_at"].items():
-            print(f"  {fallen:,} who fall would stand again with the least gain at the {joint}")
+            print(f"  {fallen:,} who fall would stand with the least gain at the {joint}")
+        if summary["fall_whatever_one_joint_gains"]:
+            print(f"  {summary['fall_whatever_one_joint_gains']:,} fall whatever one joint gains")
     else:
         print("  no one has all three stiffnesses; give --ankle, --knee, --hip for a verdict")
     print(f"Written: {', '.join(str(path) for path in written)}")
@@ -238,20 +266,31 @@ def _assessed(found: "Assessment") -> dict[str, Any]:
     best = {joint: int((columns["least_gain_at"] == joint).sum()) for joint in joints}
     return {
         "persons": len(found.people),
-        "rejected": [{"line": r.line, "reason": r.reason} for r in found.people.rejected],
+        "rejected": [
+            {"file": r.file, "line": r.line, "reason": r.reason} for r in found.people.rejected
+        ],
+        "remarks": list(found.people.remarks),
         "threshold_alone": quantiles,
         "judged": int(found.judged.sum()),
         "stand": int((columns["stands"] == "yes").sum()),
-        "hip_strategy": int((columns["strategy"] == "hip").sum()),
+        "stand_with_hip_strategy": int(
+            ((columns["strategy"] == "hip") & (columns["stands"] == "yes")).sum()
+        ),
+        "fall_whatever_one_joint_gains": int(
+            (found.falls & (columns["least_gain_at"] == "")).sum()
+        ),
         "least_gain_at": {joint: number for joint, number in best.items() if number},
     }
 
 
 def _tell_rejected(rejected: Sequence[dict[str, Any]]) -> None:
+    """Print some rejected rows, and how often each of the plain reasons occurs."""
     for row in rejected[:MOST_TOLD]:
-        print(f"    line {row['line']}: {row['reason']}")
+        print(f"    {row['file']}, line {row['line']}: {row['reason']}")
     if len(rejected) > MOST_TOLD:
-        print(f"    … {len(rejected):,} rows in all, see the file of rejected rows")
+        often = Counter(row["reason"].split(" =")[0] for row in rejected).most_common(MOST_TOLD)
+        reasons = ", ".join(f"{number:,} {reason}" for reason, number in often)
+        print(f"    … in all {reasons}; see the file of rejected rows")
 
 
 def _write_rejected(rejected: Sequence[dict[str, Any]], output: Path) -> list[Path]:
@@ -260,7 +299,7 @@ def _write_rejected(rejected: Sequence[dict[str, Any]], output: Path) -> list[Pa
         return []
     path = output.with_name(f"{output.stem}-rejected.csv")
     with path.open("w", encoding="utf-8", newline="") as file:
-        rows = csv.DictWriter(file, ("line", "reason"), lineterminator="\n")
+        rows = csv.DictWriter(file, ("file", "line", "reason"), lineterminator="\n")
         rows.writeheader()
         rows.writerows(rejected)
     return [path]

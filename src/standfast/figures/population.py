@@ -15,14 +15,11 @@ Interval = tuple[float, float, float]  # value, low, high
 
 def risk_map(ax: Axes, height: np.ndarray, bmi: np.ndarray, risk: np.ndarray) -> QuadMesh:
     """Draw the fraction unstable (len(height), len(bmi)) over height and BMI; NaN stays white."""
-    top = float(np.nanmax(risk)) if np.isfinite(risk).any() else 1.0
-    mesh = ax.pcolormesh(
-        bmi, height, risk, cmap="cividis", vmin=0.0, vmax=max(top, 1e-12), rasterized=True
-    )
+    mesh = ax.pcolormesh(bmi, height, risk, cmap="cividis", vmin=0.0, vmax=1.0, rasterized=True)
     rows, columns = np.nonzero(np.isfinite(risk))
     if rows.size:
         ax.set_xlim(bmi[columns.min()] - 1.0, bmi[columns.max()] + 1.0)
-        ax.set_ylim(height[rows.min()] - 0.02, height[rows.max()] + 0.02)
+        ax.set_ylim(height[rows.min()] - 0.05, height[rows.max()] + 0.05)
     ax.set_xlabel("Body mass index (kg/m²)")
     ax.set_ylabel(PARAMETERS["height"].label)
     return mesh
@@ -30,10 +27,11 @@ def risk_map(ax: Axes, height: np.ndarray, bmi: np.ndarray, risk: np.ndarray) ->
 
 def risk_by_multiple(ax: Axes, multiple: np.ndarray, curves: Mapping[str, np.ndarray]) -> Axes:
     """Draw the fraction unstable against the multiple of the law, one curve a joint."""
+    colors = ("black", BLUE, VERMILION, GREY)
     for number, (name, risk) in enumerate(curves.items()):
-        color = "black" if number == 0 else BLUE
-        ax.plot(multiple, risk, linestyle=LINE_STYLES[number], color=color, label=name)
+        ax.plot(multiple, risk, linestyle=LINE_STYLES[number], color=colors[number], label=name)
     ax.axvline(1.0, color=GREY, linewidth=0.6)
+    ax.text(1.0, 1.01, "as drawn", ha="center", va="bottom", fontsize=6.5, color=GREY)
     changing = [
         multiple[(risk > risk.min() + 0.005) & (risk < risk.max() - 0.005)]
         for risk in curves.values()
@@ -44,7 +42,7 @@ def risk_by_multiple(ax: Axes, multiple: np.ndarray, curves: Mapping[str, np.nda
     ax.yaxis.set_major_formatter(PercentFormatter(1.0))
     ax.set_xlabel("Stiffness, as a multiple of the law")
     ax.set_ylabel("Persons unstable")
-    ax.legend(title="Multiplied", frameon=False, loc="upper right", alignment="left")
+    ax.legend(title="Multiplied", loc="best", alignment="left", edgecolor="none")
     return ax
 
 
@@ -61,14 +59,14 @@ def survival_curve(ax: Axes, safety_factor: np.ndarray, share: np.ndarray) -> Ax
     ax.annotate(
         f"{100.0 * standing:.3g} % stand",
         (1.0, standing),
-        (6, 4),
+        (6, 6) if standing < 0.9 else (6, -10),
         textcoords="offset points",
         fontsize=7,
     )
     ax.text(0.02, 0.04, "fall", transform=ax.transAxes, fontsize=7, color=GREY)
     ax.yaxis.set_major_formatter(PercentFormatter(1.0))
     ax.set_xlabel(QUANTITIES["safety_factor"].label)
-    ax.set_ylabel("Persons with a higher one")
+    ax.set_ylabel("Persons above it")
     return ax
 
 

@@ -1,14 +1,15 @@
 """From counts to answers: every estimate of a population, with its interval."""
 
 import itertools
+import json
 import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from standfast.population.builtin import SOURCES
-from standfast.population.crowd import Crowd
+from standfast.population.builtin import ANSUR, NHANES, SOURCES
+from standfast.population.crowd import AGE_CLASSES, Crowd
 from standfast.population.drivers import Drivers
 from standfast.population.estimators import (
     CONFIDENCE,
@@ -18,6 +19,7 @@ from standfast.population.estimators import (
     fraction,
     over_replicates,
 )
+from standfast.population.people import SEXES
 from standfast.population.study import PopulationStudy
 from standfast.population.tally import (
     BMI_CLASSES,
@@ -31,6 +33,9 @@ from standfast.population.tally import (
 
 # Shares of the population that are to stand, for which the stiffness is asked.
 STANDING_SHARES = (0.5, 0.9, 0.95, 0.99)
+# Fewer people tell nothing of the population that they are a sample of.
+FEWEST_PEOPLE = 30
+SAME = 1e-12  # a relative variance that is rounding
 SHARES_TOLD = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 
 
@@ -59,6 +64,8 @@ class Answers:
         unstable = fraction(events, persons)
         found: dict[str, Any] = {
             "title": study.title,
+            "gravity": study.gravity,
+            "laws": json.loads(study.canonical)["stiffness"],
             "unstable_fraction": unstable.value,
             "unstable_fraction_interval": unstable.interval,
             "confidence": CONFIDENCE,
@@ -88,7 +95,10 @@ class Answers:
             "effective_sample_size": people.effective_size,
             "survey_interval": self._survey_interval(unstable, draws),
             "not_selected": people.not_selected,
-            "rejected": [{"line": r.line, "reason": r.reason} for r in people.rejected],
+            "rejected": [
+                {"file": r.file, "line": r.line, "reason": r.reason} for r in people.rejected
+            ],
+            "remarks": list(people.remarks),
         }
 
     def _survey_interval(self, unstable: float, draws: float) -> list[float] | None:
@@ -98,7 +108,7 @@ class Answers:
         of the simulation added; people are taken as independent, without the survey's clusters.
         """
         people = self.crowd.people
-        if people is None or len(people) < 2:
+        if people is None or people.effective_size < FEWEST_PEOPLE:
             return None
         weight = people.weight / people.weight.sum()
         stands, falls = self.rows.T
@@ -121,7 +131,7 @@ class Answers:
                 label: self._stratum(
                     by_stratum[:, [i for i, each in enumerate(labels) if each == label]].sum(axis=1)
                 )
-                for label in dict.fromkeys(labels)
+                for label in sorted(set(labels), key=_CLASS_ORDER.index)
             }
         fine: dict[str, tuple[np.ndarray, np.ndarray, Sequence[float]]]
         fine = {"bmi": (self.cells.sum(axis=(1, 2)), bmi_edges(), BMI_CLASSES)}
@@ -154,7 +164,9 @@ class Answers:
         for i, joint in enumerate(JOINTS):
             sums, squares = self.load_sums[:, 0, i], self.load_sums[:, 1, i]
             mean = sums.sum() / persons.sum()
-            variance = max(squares.sum() / persons.sum() - mean**2, 0.0)
+            variance = squares.sum() / persons.sum() - mean**2
+            if variance < SAME * mean**2:
+                variance = 0.0
             if len(persons) > 1:
                 interval = over_replicates(sums / persons).interval
             else:
@@ -212,6 +224,10 @@ class Answers:
                 )
             }
         return found
+
+
+# Sexes and age classes in the order in which they are told.
+_CLASS_ORDER = [*SEXES, *(name for _, name in AGE_CLASSES), *(g.age for g in (*NHANES, *ANSUR))]
 
 
 def _class_labels(limits: Sequence[float]) -> list[str]:

@@ -93,6 +93,8 @@ def assess(
         "id": np.array(people.id, object),
         "height_m": people.height,
         "mass_kg": people.mass,
+        "sex": np.array([sex if sex != "unknown" else "" for sex in people.sex], object),
+        "age": people.age,
         **{f"{name}_Nm_rad": values for name, values in known.items()},
     }
     for joint in JOINTS:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.ticker import PercentFormatter
 
 from standfast import figures
 from standfast.population.report import Population
@@ -41,17 +42,25 @@ def _risk_map(population: Population, stem: Path, formats: Sequence[str]) -> lis
     height, bmi = population.array("height"), population.array("bmi")
     with figures.paper_figure(height=2.8) as (figure, (ax,)):
         mesh = figures.risk_map(ax, _middles(height), _middles(bmi), risk)
-        bar = figure.colorbar(mesh, ax=ax, label="Fraction unstable", aspect=30)
+        bar = figure.colorbar(
+            mesh, ax=ax, label="Persons unstable", aspect=30, format=PercentFormatter(1.0)
+        )
         bar.outline.set_linewidth(0.4)
         return figures.save(figure, stem.with_name(f"{stem.name}-risk-map"), formats)
 
 
 def _risk_by_multiple(population: Population, stem: Path, formats: Sequence[str]) -> list[Path]:
+    rigid = [
+        joint
+        for joint, shares in population.summary["required_stiffness"].items()
+        if all(each["multiple_interval"] is None for each in shares.values())
+    ]
     curves = {
         f"{joint} alone" if joint != "all" else "all joints": population.array(
             f"risk_by_{joint}_multiple"
         )
         for joint in ("all", *JOINTS)
+        if joint not in rigid
     }
     with figures.paper_figure(height=2.6) as (figure, (ax,)):
         figures.risk_by_multiple(ax, population.array("multiple"), curves)

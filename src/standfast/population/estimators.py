@@ -13,6 +13,9 @@ from scipy.special import stdtrit
 CONFIDENCE = 0.95
 NORMAL_QUANTILE = 1.959963984540054
 
+# A bin that holds so many times more than its neighbours holds one value, not a stretch of them.
+ATOM = 4.0
+
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
@@ -121,11 +124,21 @@ class Distribution:
                 )
             )
             spread = around.high - around.value
-        return Estimate(
-            value,
-            self._at(total, max(share - spread, 0.0)),
-            self._at(total, min(share + spread, 1.0)),
-        )
+        low = self._at(total, max(share - spread, 0.0))
+        high = self._at(total, min(share + spread, 1.0))
+        return Estimate(value, self._from_atom(total, low, 0), self._from_atom(total, high, 1))
+
+    def _from_atom(self, counts: np.ndarray, value: float, end: int) -> float:
+        """Return the lower (0) or upper (1) edge of a bin that holds one and the same value.
+
+        Where people are few, many draws are alike; where in its bin they lie is not known.
+        """
+        if not self.edges[0] < value < math.inf:
+            return value
+        found = min(int(np.searchsorted(self.edges, value)), len(counts) - 2)
+        around = max(counts[found - 1], counts[found + 1])
+        alike = counts[found] > ATOM * around
+        return float(self.edges[found - 1 + end]) if alike else value
 
     @staticmethod
     def _cumulated(counts: np.ndarray) -> np.ndarray:

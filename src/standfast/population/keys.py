@@ -17,7 +17,8 @@ from standfast.population.laws import (
     checked_correlation,
     checked_law,
 )
-from standfast.population.people import SEXES, digest
+from standfast.population.people import SEXES
+from standfast.population.tables import digest
 from standfast.quantities import InputError, nearest_name
 from standfast.study.values import known_keys
 

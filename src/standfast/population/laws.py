@@ -123,9 +123,11 @@ def checked_law(joint: str, given: Any) -> Law:
     if "law" in given:
         known_keys(f"[{where}] with a ready law", given, ("law",))
         ready = READY_LAWS[joint]
-        if given["law"] not in ready:
+        if not isinstance(given["law"], str) or given["law"] not in ready:
+            others = [other for other in JOINTS if given["law"] in list(READY_LAWS[other])]
+            why = f"is a law of the {others[0]}" if others else "is not known"
             raise InputError(
-                f"{where}.law = {given['law']!r} is not known{nearest_name(given['law'], ready)} "
+                f"{where}.law = {given['law']!r} {why}{nearest_name(given['law'], ready)} "
                 f"(laws of the {joint}: {', '.join(ready)})"
             )
         return checked_law(joint, ready[given["law"]])

@@ -108,7 +108,7 @@ def simulate(
     if found.study.fingerprint != study.fingerprint:
         raise InputError(
             f"{output} is of another study ({study.difference(found.study)}); "
-            "choose another output or move it away"
+            "choose another output, or move or remove it"
         )
     tidy_up_after(output, study)
     return found

@@ -18,7 +18,8 @@ from standfast.population.laws import (
     Law,
     checked_law,
 )
-from standfast.population.people import People, digest, read_people
+from standfast.population.people import People, read_people
+from standfast.population.tables import digest
 from standfast.quantities import (
     STANDARD_GRAVITY,
     InputError,
@@ -84,6 +85,13 @@ class PopulationStudy:
         if "stiffness" not in content:
             raise InputError("[stiffness.ankle], [stiffness.knee] and [stiffness.hip] are missing")
         laws, correlation = checked_stiffness(content["stiffness"])
+        if "builtin" in content["population"]:
+            for joint, law in laws.items():
+                if law.distribution == "measured":
+                    raise InputError(
+                        f"stiffness.{joint}: measured needs people with a column "
+                        f"{joint}_stiffness, and a built-in population has none"
+                    )
         known_keys("[output]", content.get("output", {}), ("persons",))
         kept = content.get("output", {}).get("persons", False)
         if not isinstance(kept, bool):
@@ -143,7 +151,9 @@ class PopulationStudy:
         """Return in words what differs from another study, key by key."""
         here, there = _flat(_json_safe(self.content)), _flat(_json_safe(other.content))
         return "; ".join(
-            f"{key}: {there.get(key, 'not given')} there, {here.get(key, 'not given')} here"
+            "the file of people has changed"
+            if key == "population.people_sha256"
+            else f"{key}: {there.get(key, 'not given')} there, {here.get(key, 'not given')} here"
             for key in dict.fromkeys([*there, *here])
             if there.get(key) != here.get(key)
         )

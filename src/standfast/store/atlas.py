@@ -155,7 +155,9 @@ def open_atlas(path: str | Path) -> Atlas:
     except FileNotFoundError:
         parts = path.with_name(path.name + ".parts")
         hint = (
-            ", only the beginnings of it: run the sweep again to finish" if parts.is_dir() else ""
+            ", only the beginnings of it: run the same command again to finish"
+            if parts.is_dir()
+            else ""
         )
         raise InputError(f"{path}: there is no such file{hint}") from None
     except OSError as error:
@@ -165,7 +167,9 @@ def open_atlas(path: str | Path) -> Atlas:
         raise InputError(f"{path} is not an HDF5 file{hint}")
     with opened(path) as file:
         if said(file, "format") != FORMAT:
-            raise InputError(f"{path} is HDF5, but not an atlas of standfast")
+            kind = said(file, "format") or ""
+            hint = ": it is a population, see standfast info" if "population" in kind else ""
+            raise InputError(f"{path} is HDF5, but not an atlas of standfast{hint}")
         number = file.attrs.get("format_version")
         if number != FORMAT_VERSION:
             raise InputError(

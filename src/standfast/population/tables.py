@@ -1,0 +1,173 @@
+"""CSV files of people: columns found by their names, units made SI, every line kept apart."""
+
+import csv
+import difflib
+import hashlib
+import io
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from standfast.quantities import InputError
+
+STIFFNESS_FIELDS = ("ankle_stiffness", "knee_stiffness", "hip_stiffness")
+
+# Column names, lower case and with every bracket, blank and point made "_", to what they hold and
+# how many of its units are one of SI. ANSUR II gives stature in mm and its "weightkg" in hectograms; NHANES gives
+# BMXHT in cm and BMXWT in kg.
+COLUMNS: Mapping[str, tuple[str, float]] = {
+    "height": ("height", 1.0),
+    "height_m": ("height", 1.0),
+    "height_cm": ("height", 100.0),
+    "height_mm": ("height", 1000.0),
+    "stature": ("height", 1000.0),
+    "stature_m": ("height", 1.0),
+    "stature_cm": ("height", 100.0),
+    "stature_mm": ("height", 1000.0),
+    "bmxht": ("height", 100.0),
+    "mass": ("mass", 1.0),
+    "mass_kg": ("mass", 1.0),
+    "body_mass": ("mass", 1.0),
+    "body_mass_kg": ("mass", 1.0),
+    "weight_kg": ("mass", 1.0),
+    "body_weight_kg": ("mass", 1.0),
+    "weightkg": ("mass", 10.0),
+    "bmxwt": ("mass", 1.0),
+    "sex": ("sex", 1.0),
+    "gender": ("sex", 1.0),
+    "riagendr": ("sex", 1.0),
+    "age": ("age", 1.0),
+    "age_years": ("age", 1.0),
+    "years": ("age", 1.0),
+    "ridageyr": ("age", 1.0),
+    "id": ("id", 1.0),
+    "name": ("id", 1.0),
+    "subject": ("id", 1.0),
+    "subjectid": ("id", 1.0),
+    "subject_id": ("id", 1.0),
+    "participant": ("id", 1.0),
+    "seqn": ("id", 1.0),
+    "weight": ("weight", 1.0),
+    "sample_weight": ("weight", 1.0),
+    "wtmec2yr": ("weight", 1.0),
+    "ridexprg": ("pregnant", 1.0),
+    **{name: (name, 1.0) for name in STIFFNESS_FIELDS},
+    **{f"{name}_nm_rad": (name, 1.0) for name in STIFFNESS_FIELDS},
+}
+
+
+def digest(paths: Sequence[Path]) -> str:
+    """Return the SHA-256 of the files' contents, one after the other."""
+    total = hashlib.sha256()
+    for path in paths:
+        total.update(hashlib.sha256(_bytes_of(path)).digest())
+    return total.hexdigest()
+
+
+@dataclass(frozen=True)
+class Table:
+    """The recognised columns of one file: text by field, with the line of each row."""
+
+    name: str
+    header: tuple[str, ...]
+    columns: Mapping[str, str]
+    rows: list[tuple[int, dict[str, str]]]
+    remarks: tuple[str, ...]
+
+
+def _bytes_of(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such file of people") from None
+    except IsADirectoryError:
+        raise InputError(f"{path} is a folder; give a CSV file of people") from None
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror}") from None
+
+
+def read_table(path: Path) -> Table:
+    """Read the columns of one file that are known by name, as text in SI units.
+
+    Raises
+    ------
+    InputError
+        if the file is missing, empty, no CSV, or has two columns for one thing.
+    """
+    raw = _bytes_of(path)
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = raw.decode("latin-1")
+    if not text.strip():
+        raise InputError(f"{path} is empty; give a header line and one line a person")
+    header_line = text.lstrip().splitlines()[0]
+    separator = max(",;\t", key=header_line.count)
+    lines = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
+    try:
+        header = next(row for row in lines if row)
+        places: dict[int, str] = {}
+        factors: dict[str, float] = {}
+        columns: dict[str, str] = {}
+        for place, name in enumerate(header):
+            if (known := COLUMNS.get(_normal(name))) is None:
+                continue
+            field, factor = known
+            if field in columns:
+                raise InputError(
+                    f"{path}: the columns {columns[field]!r} and {name!r} both hold {field}; "
+                    "keep one"
+                )
+            columns[field], places[place], factors[field] = name, field, factor
+        rows = []
+        for row in lines:
+            if not any(cell.strip() for cell in row):
+                continue
+            cells = {
+                field: row[place].strip() if place < len(row) else ""
+                for place, field in places.items()
+            }
+            for field, factor in factors.items():
+                if separator == ";" and field not in ("id", "sex"):
+                    cells[field] = cells[field].replace(",", ".")
+                if factor != 1.0:
+                    cells[field] = _in_si(cells[field], factor)
+            rows.append((lines.line_num, cells))
+    except csv.Error as error:
+        raise InputError(f"{path} is not a CSV file: line {lines.line_num}, {error}") from None
+    if not rows:
+        raise InputError(f"{path} has a header and no rows; give one line a person")
+    return Table(path.name, tuple(header), columns, rows, _misspelt(header, columns))
+
+
+def _misspelt(header: Sequence[str], found: Mapping[str, str]) -> tuple[str, ...]:
+    """Say which columns are not used although their names are nearly those of a missing one."""
+    remarks = []
+    for name in header:
+        near = difflib.get_close_matches(_normal(name), COLUMNS, n=1, cutoff=0.85)
+        if near and _normal(name) not in COLUMNS and COLUMNS[near[0]][0] not in found:
+            remarks.append(f"the column {name!r} is not used; did you mean {near[0]!r}?")
+    return tuple(remarks)
+
+
+def _normal(name: str) -> str:
+    return re.sub(r"[^a-z0-9]+", "_", name.strip().lower()).strip("_")
+
+
+def _in_si(cell: str, factor: float) -> str:
+    """Turn a number into SI, and leave what is none to be refused with its own words."""
+    try:
+        return repr(float(cell) / factor)
+    except ValueError:
+        return cell
+
+
+def hint(table: Table, field: str) -> str:
+    """Say by which names a column is known, and what is there instead."""
+    known = sorted(name for name, (holds, _) in COLUMNS.items() if holds == field)
+    words = f" (known names: {', '.join(known)}; columns there: {', '.join(table.header[:12])}"
+    words += ", …)" if len(table.header) > 12 else ")"
+    if field == "mass" and "weight" in table.columns:
+        words += "; 'weight' is read as the weight of the record, name body mass 'mass_kg'"
+    return words

@@ -152,3 +152,28 @@ def test_where_many_draws_are_one_value_the_interval_holds_it():
         found = of_counts.quantile(share)
         assert found.low <= value <= found.high
         assert found.high / found.low < 1.01
+
+
+@pytest.mark.parametrize("size", [30, 100, 1000])
+@pytest.mark.parametrize("share", [0.5, 0.95, 0.99])
+def test_intervals_of_quantiles_cover_also_in_small_samples(size, share):
+    """At least 95 of 100 up to chance; where no draw lies beyond, the interval is open."""
+    random = np.random.default_rng(6)
+    inside = 0
+    for _ in range(400):
+        values = random.lognormal(3.0, 0.5, size)
+        counts = np.bincount(bin_of(values), minlength=VALUE_BINS + 2)
+        found = Distribution(bin_edges(), counts[None]).quantile(share)
+        inside += found.low <= stats.lognorm.ppf(share, 0.5, scale=np.exp(3.0)) <= found.high
+    assert inside / 400 > 0.925
+
+
+def test_few_events_of_replicates_have_a_wide_enough_interval():
+    random = np.random.default_rng(7)
+    for expected in (3.5, 8.0):
+        inside = 0
+        for _ in range(1000):
+            falls = random.poisson(expected / 16, 16)
+            found = fraction(falls, np.full(16, 10_000))
+            inside += found.low <= expected / 160_000 <= found.high
+        assert inside / 1000 > 0.93

@@ -76,6 +76,12 @@ WRONG = [
     ("gravity", 0.0, "gravity = 0 is outside the allowed range"),
     ("output.persons", "yes", "output.persons = 'yes' is not true or false"),
     ("body", {"height": 1.7}, "study has no key 'body'"),
+    (
+        "stiffness.ankle",
+        law("lognormal", mean=1e-200, sd=284.0),
+        "stiffness.ankle.sd = 284 is more than a thousand times the mean, 1e-200",
+    ),
+    ("population", {"people": "a\0b.csv"}, "'a\\x00b.csv' is not the name of a file"),
     ("title", 5, "title = 5 is not one line of text"),
     (
         "stiffness.hip",
@@ -154,6 +160,7 @@ def read(tmp_path, text, **settings):
         ("height_mm;weight_kg", "1750;80,0"),
         ("Stature_cm\tmass_kg", "175\t80"),
         ("stature,weightkg", "1750,800"),
+        ("height_cm,weightkg", "175,80"),
         ("BMXHT,BMXWT", "175.0,80.0"),
         ("\ufeffheight , mass", " 1.75 , 80 "),
     ],
@@ -268,13 +275,19 @@ def test_files_are_joined_by_id_whatever_its_form(tmp_path):
     (tmp_path / "a.csv").write_text("SEQN,BMXHT,BMXWT\n7.0,170,70\n8.0,180,80\n9.0,160,60\n")
     (tmp_path / "b.csv").write_text("SEQN,RIAGENDR,RIDAGEYR,WTMEC2YR\n8,1,30,5\n7,2,70,3\n")
     people = read_people([tmp_path / "a.csv", tmp_path / "b.csv"])
-    assert people.sex == ("female", "male", "unknown")
-    assert people.weight.tolist() == [3.0, 5.0, 1.0]
+    assert people.sex == ("female", "male")
+    assert people.weight.tolist() == [3.0, 5.0]
+    assert [r.reason for r in people.rejected] == ["no weight: the id is in no file of weights"]
     old = read_people(
         [tmp_path / "a.csv", tmp_path / "b.csv"], selected=lambda sex, age: age >= 65.0
     )
     assert old.id == ("7.0",)
     assert old.not_selected == 2
+    (tmp_path / "a.csv").write_text("id,height,mass,sex\n,1.7,70,\nA,1.8,80,\n")
+    (tmp_path / "b.csv").write_text("id,sex,age\n,female,99\nA,male,30\n")
+    people = read_people([tmp_path / "a.csv", tmp_path / "b.csv"])
+    assert people.sex == ("unknown", "male")
+    assert np.isnan(people.age[0])
 
 
 def test_a_law_of_measured_stiffness_needs_its_column(tmp_path):

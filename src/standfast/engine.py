@@ -224,7 +224,7 @@ def _over_axes(
     return function
 
 
-@cache
+@lru_cache(maxsize=32)
 def over_persons(
     function: Callable[[Any, dict[str, Scalar]], dict[str, Scalar]],
     model: Hashable,

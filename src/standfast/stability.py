@@ -209,9 +209,10 @@ def stiffness_reserve(
     return signed_by(verdict(body, stiffness, gravity), _unless_rigid(stiffness, quotient))
 
 
-# Newton steps of :func:`safety_factor`: after three the worst of 1500 random cases is off by 1e-9,
-# after four by 4e-16, and further ones change nothing.
-NEWTON_STEPS = 4
+# Laguerre's steps of :func:`safety_factor`. Two reach 4e-16 for the proportions of people; four
+# reach 5e-15 for an upper body that carries a thousandth of the legs' load, where two roots are
+# nearly equal.
+LAGUERRE_STEPS = 4
 ALMOST_FREE = 1e-60  # N·m/rad
 
 
@@ -222,7 +223,7 @@ def safety_factor(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_G
     The smallest s of diag(K) v = s G v, with G the gravity part of C. So x = 1/s is the largest
     root of x³ − t x² + m x − d, with t, m, d the trace, the sum of the principal minors and the
     determinant of K⁻¹ G: sums and products of positive numbers. All entries of K⁻¹ G are positive,
-    so the root is simple, and Newton's steps fall towards it from the upper bound
+    so the root is simple, and Laguerre's steps fall towards it from the upper bound
     (t + 2 √(t² − 3m))/3. Above 1 exactly where the verdict is stable; 0 with a free joint;
     infinite with three rigid joints.
 
@@ -241,10 +242,12 @@ def safety_factor(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_G
     minors = minors + thigh * upper * knee * hip
     determinant = shank * thigh * upper * ankle * knee * hip
     root = (trace + 2.0 * xp.sqrt(xp.maximum(trace**2 - 3.0 * minors, 0.0))) / 3.0
-    for _ in range(NEWTON_STEPS):
+    for _ in range(LAGUERRE_STEPS):
         value = ((root - trace) * root + minors) * root - determinant
         slope = (3.0 * root - 2.0 * trace) * root + minors
-        root = root - value / slope
+        curvature = 6.0 * root - 2.0 * trace
+        spread = xp.sqrt(xp.maximum(4.0 * slope**2 - 6.0 * value * curvature, 0.0))
+        root = root - 3.0 * value / (slope + spread)
     factor = _unless_rigid(stiffness, 1.0 / root)
     free = (stiffness.ankle == 0.0) | (stiffness.knee == 0.0) | (stiffness.hip == 0.0)
     factor = xp.where(free, 0.0, factor)

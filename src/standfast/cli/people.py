@@ -220,9 +220,11 @@ def _assess(options: argparse.Namespace) -> None:
         for joint in ("ankle", "knee", "hip")
         if (text := getattr(options, joint)) is not None
     }
+    output: Path = options.output or Path(f"{options.people[0].stem}-assessed.csv")
+    if output.resolve() in [path.resolve() for path in options.people]:
+        raise InputError(f"{output} is the file of people itself; choose another output with -o")
     people = read_people(options.people, strict=options.strict)
     found = assess(people, body_model=options.body_model, gravity=gravity, otherwise=otherwise)
-    output: Path = options.output or Path(f"{options.people[0].stem}-assessed.csv")
     write_assessment(found, output)
     summary = _assessed(found)
     written = [output, *_write_rejected(summary["rejected"], output)]
@@ -295,13 +297,16 @@ def _tell_rejected(rejected: Sequence[dict[str, Any]]) -> None:
 
 def _write_rejected(rejected: Sequence[dict[str, Any]], output: Path) -> list[Path]:
     """Write which rows were not used and why, beside the result; nothing if all were."""
-    if not rejected:
-        return []
     path = output.with_name(f"{output.stem}-rejected.csv")
-    with path.open("w", encoding="utf-8", newline="") as file:
+    if not rejected:
+        path.unlink(missing_ok=True)  # of a run before
+        return []
+    partial = path.with_name(f".{path.name}.partial")
+    with partial.open("w", encoding="utf-8", newline="") as file:
         rows = csv.DictWriter(file, ("file", "line", "reason"), lineterminator="\n")
         rows.writeheader()
         rows.writerows(rejected)
+    partial.replace(path)
     return [path]
 
 

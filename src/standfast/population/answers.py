@@ -18,6 +18,7 @@ from standfast.population.estimators import (
     effective_size,
     fraction,
     over_replicates,
+    wilson,
 )
 from standfast.population.people import SEXES
 from standfast.population.study import PopulationStudy
@@ -105,7 +106,9 @@ class Answers:
         """Return the interval that also the sample of people itself leaves open.
 
         By linearisation, Σ wᵢ² (pᵢ − p)² with the noise of the draws taken off, and the variance
-        of the simulation added; people are taken as independent, without the survey's clusters.
+        of the simulation added; from it the number of independent people that would tell as much,
+        at most their effective number, and Wilson's interval of so many. People are taken as
+        independent, without the survey's clusters.
         """
         people = self.crowd.people
         if people is None or people.effective_size < FEWEST_PEOPLE:
@@ -117,9 +120,12 @@ class Answers:
         share = falls[seen] / times[seen]
         noise = share * (1.0 - share) / np.maximum(times[seen] - 1, 1)
         squared = weight[seen] ** 2 * ((share - unstable) ** 2 - noise)
-        simulated = unstable * (1.0 - unstable) / draws
-        half = NORMAL_QUANTILE * math.sqrt(max(float(squared.sum()), 0.0) + simulated)
-        return [max(unstable - half, 0.0), min(unstable + half, 1.0)]
+        spread = unstable * (1.0 - unstable)
+        variance = max(float(squared.sum()), 0.0) + spread / draws
+        # nobody or everybody falls: as many people as there are could have been otherwise
+        alike = spread == 0.0
+        persons = people.effective_size if alike else spread / variance
+        return wilson(unstable * persons, persons).interval
 
     def _strata(self) -> dict[str, Any]:
         """Return the fraction unstable by sex, age, BMI and height."""
@@ -132,6 +138,7 @@ class Answers:
                     by_stratum[:, [i for i, each in enumerate(labels) if each == label]].sum(axis=1)
                 )
                 for label in sorted(set(labels), key=_CLASS_ORDER.index)
+                if by_stratum[:, [i for i, each in enumerate(labels) if each == label]].any()
             }
         fine: dict[str, tuple[np.ndarray, np.ndarray, Sequence[float]]]
         fine = {"bmi": (self.cells.sum(axis=(1, 2)), bmi_edges(), BMI_CLASSES)}

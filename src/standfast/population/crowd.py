@@ -123,7 +123,8 @@ class _Guide:
         ends[np.flatnonzero(weights)[-1] :] = np.inf
         cells = GUIDE_CELLS * len(weights)
         first = np.searchsorted(ends, np.arange(cells) / cells, side="right")
-        steps = int(np.diff(np.append(first, first[-1])).max())
+        last = np.flatnonzero(weights)[-1]
+        steps = int(np.diff(np.append(first, last)).max())
         return cls(ends, first, steps)
 
     def rows(self, uniform: np.ndarray) -> np.ndarray:

@@ -1,5 +1,6 @@
 """What drives the risk: the factors of a population and their Sobol indices."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -14,6 +15,7 @@ from standfast.population.persons import margins
 
 # Persons a scrambling, on which the drivers of risk are sought.
 DRIVERS_SIZE = 2**13
+FEWEST_EVENTS = 200  # falls or non-falls, below which indices of falling are chance
 DRIVERS_SEED = 2**63  # added to the study's, so that the drivers have numbers of their own
 
 
@@ -49,6 +51,13 @@ def find_drivers(crowd: Crowd, seed: int) -> Drivers:
     indices, remarks = {}, {}
     for name, collected in outputs.items():
         values = np.array(collected)  # replicate, sample, person
+        rare = min(values.sum(), values.size - values.sum()) if name == "unstable" else math.inf
+        if 0 < rare < FEWEST_EVENTS:
+            remarks[name] = (
+                f"only {rare:.0f} of {values.size:,} differ in whether they fall, too few to say "
+                "what drives it"
+            )
+            continue
         if not np.isfinite(values).all():
             remarks[name] = f"{name} is infinite for some persons, so it has no variance to explain"
             continue
@@ -56,7 +65,7 @@ def find_drivers(crowd: Crowd, seed: int) -> Drivers:
             indices[name] = sobol_indices(values[:, 0], values[:, 1], values[:, 2:])
         except NoVarianceError:
             same = f"{values.flat[0]:.4g}"
-            remarks[name] = f"{name} is {same} for everyone, so nothing drives it"
+            remarks[name] = f"{name} is {same} for all {values.size:,} looked at; nothing drives it"
     return Drivers(tuple(factors), indices, remarks)
 
 

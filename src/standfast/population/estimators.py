@@ -8,10 +8,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import stdtrit
+from scipy.special import bdtrik, stdtrit
 
 CONFIDENCE = 0.95
 NORMAL_QUANTILE = 1.959963984540054
+
+LARGE = 10**6  # from here on the binomial distribution is normal
+
+# With fewer events the spread of the replicates is itself too uncertain to go by alone.
+FEW_EVENTS = 30
 
 # A bin that holds so many times more than its neighbours holds one value, not a stretch of them.
 ATOM = 4.0
@@ -31,7 +36,7 @@ class Estimate:
         return [self.low, self.high]
 
 
-def wilson(events: int, persons: int) -> Estimate:
+def wilson(events: float, persons: float) -> Estimate:
     """Return a fraction with Wilson's score interval (J Am Stat Assoc 22 (1927) 209-212).
 
     (p + z²/2n ± z √(p(1−p)/n + z²/4n²)) / (1 + z²/n); never empty, also without any event.
@@ -69,7 +74,10 @@ def fraction(events: np.ndarray, persons: np.ndarray) -> Estimate:
     of_replicates = over_replicates(shares)
     half = of_replicates.high - of_replicates.value
     share = overall.value
-    return Estimate(share, max(share - half, 0.0), min(share + half, 1.0))
+    low, high = max(share - half, 0.0), min(share + half, 1.0)
+    if min(total, of_all - total) < FEW_EVENTS:
+        low, high = min(low, overall.low), max(high, overall.high)
+    return Estimate(share, low, high)
 
 
 def effective_size(events: np.ndarray, persons: np.ndarray) -> float:
@@ -110,22 +118,21 @@ class Distribution:
     def quantile(self, share: float) -> Estimate:
         """Return the value below which a share lies; ``inf`` beyond the bins, 0 before them.
 
-        The interval is Woodruff's (J Am Stat Assoc 47 (1952) 635-646): that of the share below
-        the value, from √(q (1 − q) / n) or from the spread of the replicates, turned into values.
+        The interval is that of independent draws by their ranks, from the binomial distribution, or
+        Woodruff's (J Am Stat Assoc 47 (1952) 635-646) from the spread of the replicates' shares
+        below the value. It is open (``inf`` or 0) where no draw lies beyond.
         """
         total = self.counts.sum(axis=0)
         value = self._at(total, share)
         if len(self.counts) == 1 or not math.isfinite(value):
-            spread = NORMAL_QUANTILE * math.sqrt(share * (1.0 - share) / self.size)
+            first, last = _ranks(self.size, share)
         else:
-            around = over_replicates(
-                np.array(
-                    [np.interp(value, self.edges, self._cumulated(each)) for each in self.counts]
-                )
-            )
+            shares = [np.interp(value, self.edges, self._cumulated(each)) for each in self.counts]
+            around = over_replicates(np.array(shares))
             spread = around.high - around.value
-        low = self._at(total, max(share - spread, 0.0))
-        high = self._at(total, min(share + spread, 1.0))
+            first, last = (share - spread) * self.size, (share + spread) * self.size
+        low = self._at(total, first / self.size) if first >= 1.0 else 0.0
+        high = self._at(total, last / self.size) if last <= self.size else math.inf
         return Estimate(value, self._from_atom(total, low, 0), self._from_atom(total, high, 1))
 
     def _from_atom(self, counts: np.ndarray, value: float, end: int) -> float:
@@ -157,6 +164,16 @@ class Distribution:
         step = (share - shares[above - 1]) / (shares[above] - shares[above - 1])
         low, high = self.edges[above - 1], self.edges[above]
         return float(low + step * (high - low))
+
+
+def _ranks(size: int, share: float) -> tuple[float, float]:
+    """Return the ranks between which a quantile lies with 95 %: order statistics of its sample."""
+    tail = 0.5 - 0.5 * CONFIDENCE
+    if size > LARGE:
+        half = NORMAL_QUANTILE * math.sqrt(size * share * (1.0 - share))
+        return size * share - half, size * share + half
+    low, high = bdtrik([tail, 1.0 - tail], size, share)
+    return math.floor(low), math.ceil(high) + 1.0
 
 
 @dataclass(frozen=True)

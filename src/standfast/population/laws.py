@@ -168,6 +168,10 @@ def _check_numbers(where: str, distribution: str, numbers: tuple[float, ...]) ->
         )
     if distribution == "lognormal" and numbers[0] == 0.0:
         raise InputError(f"{where}.mean = 0 has no lognormal; give a mean above 0")
+    if distribution == "lognormal" and numbers[1] > 1e3 * numbers[0]:
+        raise InputError(
+            f"{where}.sd = {numbers[1]:g} is more than a thousand times the mean, {numbers[0]:g}"
+        )
     if distribution == "uniform" and numbers[0] > numbers[1]:
         raise InputError(
             f"{where} goes from low = {numbers[0]:g} to high = {numbers[1]:g}; "

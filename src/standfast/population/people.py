@@ -14,6 +14,7 @@ SEXES = ("male", "female", "unknown")
 ADULT = 18
 
 SEX_WORDS = {"male": "male", "m": "male", "man": "male", "female": "female", "f": "female"}
+SEX_WORDS |= dict.fromkeys(("unknown", "other", "na", "nan", "none", "n/a"), "unknown")
 SEX_WORDS |= {"woman": "female", "w": "female", "": "unknown", ".": "unknown"}
 NHANES_SEX = {1.0: "male", 2.0: "female"}
 NOTHING = ("", ".", "na", "nan", "none")
@@ -108,6 +109,7 @@ def read_people(
     holders = [table for table in tables if {"height", "mass"} <= set(table.columns)]
     added = _by_id(tables, holders)
     _check_columns(tables, holders, needed)
+    weighted = any("weight" in table.columns for table in tables)
     persons: list[dict[str, object]] = []
     rejected: list[Rejection] = []
     not_selected = 0
@@ -115,13 +117,16 @@ def read_people(
         for line, row in table.rows:
             joined = dict(row)
             for more in added:
-                joined = {**more.get(_plain_id(row["id"]), {}), **joined}
+                key = _plain_id(row["id"])
+                told = {field: cell for field, cell in joined.items() if cell}
+                joined = {**joined, **(more.get(key, {}) if key else {}), **told}
             try:
                 sex, age = _sex(joined.get("sex", "")), _optional(joined.get("age", ""), "age", AGE)
                 if selected is not None and not selected(sex, age):
                     not_selected += 1
                     continue
-                person = {**_checked_person(joined, needed), "sex": sex, "age": age}
+                person = _checked_person(joined, needed, weighted=weighted)
+                person |= {"sex": sex, "age": age}
             except InputError as error:
                 rejection = Rejection(table.name, line, str(error))
                 if strict:
@@ -215,7 +220,9 @@ def _number(cell: str, name: str, row: Parameter) -> float:
     return checked_number(name, number, row=row)
 
 
-def _checked_person(row: Mapping[str, str], needed: Sequence[str]) -> dict[str, object]:
+def _checked_person(
+    row: Mapping[str, str], needed: Sequence[str], *, weighted: bool
+) -> dict[str, object]:
     """Check one person; the reason for refusing it names the column and the value."""
     person: dict[str, object] = {}
     for field in ("height", "mass"):
@@ -225,6 +232,8 @@ def _checked_person(row: Mapping[str, str], needed: Sequence[str]) -> dict[str, 
     if row.get("pregnant", "") in ("1", "1.0"):
         raise InputError("pregnant, for which no body model holds")
     weight = row.get("weight")
+    if weighted and weight is None:
+        raise InputError("no weight: the id is in no file of weights")
     person["weight"] = 1.0 if weight is None else _number(weight, "weight", WEIGHT)
     for joint in STIFFNESS_FIELDS:
         cell = row.get(joint, "")

@@ -14,8 +14,8 @@ from standfast.quantities import InputError
 STIFFNESS_FIELDS = ("ankle_stiffness", "knee_stiffness", "hip_stiffness")
 
 # Column names, lower case and with every bracket, blank and point made "_", to what they hold and
-# how many of its units are one of SI. ANSUR II gives stature in mm and its "weightkg" in hectograms; NHANES gives
-# BMXHT in cm and BMXWT in kg.
+# how many of its units are one of SI. ANSUR II gives stature in mm and its "weightkg" in hectograms;
+# NHANES gives BMXHT in cm and BMXWT in kg.
 COLUMNS: Mapping[str, tuple[str, float]] = {
     "height": ("height", 1.0),
     "height_m": ("height", 1.0),
@@ -53,7 +53,9 @@ COLUMNS: Mapping[str, tuple[str, float]] = {
     "wtmec2yr": ("weight", 1.0),
     "ridexprg": ("pregnant", 1.0),
     **{name: (name, 1.0) for name in STIFFNESS_FIELDS},
-    **{f"{name}_nm_rad": (name, 1.0) for name in STIFFNESS_FIELDS},
+    **{
+        f"{name}_{unit}": (name, 1.0) for name in STIFFNESS_FIELDS for unit in ("nm_rad", "n_m_rad")
+    },
 }
 
 
@@ -85,6 +87,8 @@ def _bytes_of(path: Path) -> bytes:
         raise InputError(f"{path} is a folder; give a CSV file of people") from None
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}") from None
+    except ValueError:
+        raise InputError(f"{str(path)!r} is not the name of a file") from None
 
 
 def read_table(path: Path) -> Table:
@@ -107,19 +111,7 @@ def read_table(path: Path) -> Table:
     lines = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
     try:
         header = next(row for row in lines if row)
-        places: dict[int, str] = {}
-        factors: dict[str, float] = {}
-        columns: dict[str, str] = {}
-        for place, name in enumerate(header):
-            if (known := COLUMNS.get(_normal(name))) is None:
-                continue
-            field, factor = known
-            if field in columns:
-                raise InputError(
-                    f"{path}: the columns {columns[field]!r} and {name!r} both hold {field}; "
-                    "keep one"
-                )
-            columns[field], places[place], factors[field] = name, field, factor
+        columns, places, factors = _recognised(path, header)
         rows = []
         for row in lines:
             if not any(cell.strip() for cell in row):
@@ -139,6 +131,27 @@ def read_table(path: Path) -> Table:
     if not rows:
         raise InputError(f"{path} has a header and no rows; give one line a person")
     return Table(path.name, tuple(header), columns, rows, _misspelt(header, columns))
+
+
+def _recognised(
+    path: Path, header: Sequence[str]
+) -> tuple[dict[str, str], dict[int, str], dict[str, float]]:
+    """Return the known columns: name and factor to SI by field, field by place."""
+    places: dict[int, str] = {}
+    factors: dict[str, float] = {}
+    columns: dict[str, str] = {}
+    for place, name in enumerate(header):
+        if (known := COLUMNS.get(_normal(name))) is None:
+            continue
+        field, factor = known
+        if name.strip().lower() == "weightkg" and "stature" not in map(_normal, header):
+            factor = 1.0  # hectograms in ANSUR II alone
+        if field in columns:
+            raise InputError(
+                f"{path}: the columns {columns[field]!r} and {name!r} both hold {field}; keep one"
+            )
+        columns[field], places[place], factors[field] = name, field, factor
+    return columns, places, factors
 
 
 def _misspelt(header: Sequence[str], found: Mapping[str, str]) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ covers. The finished name appears by one rename of a synced file, or not at all.
 import contextlib
 import errno
 import fcntl
+import json
 import os
 import shutil
 from collections.abc import Callable, Iterator
@@ -78,6 +79,11 @@ class Workplace(Generic[W]):
         """
         path = self.folder / STUDY_FILE
         there = _study_in(path, type(self.study))
+        if there is None and _is_json(path):
+            raise InputError(
+                f"{self.folder} holds the beginnings of another kind of study; "
+                "finish that one, remove the folder, or choose another output"
+            )
         if there is None:
             partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
             partial.write_text(self.study.canonical, encoding="utf-8")
@@ -158,6 +164,14 @@ def _study_in(path: Path, kind: type[W]) -> W | None:
         return kind.from_canonical(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, InputError):
         return None
+
+
+def _is_json(path: Path) -> bool:
+    """Return whether a study file is whole, though not of the kind that is looked for."""
+    try:
+        return "title" in json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, TypeError, RecursionError):
+        return False
 
 
 def _tidy(folder: Path) -> None:

@@ -14,7 +14,7 @@ from standfast.quantities import InputError
 STIFFNESS_FIELDS = ("ankle_stiffness", "knee_stiffness", "hip_stiffness")
 
 # Column names, lower case and with every bracket, blank and point made "_", to what they hold and
-# how many of its units are one of SI. ANSUR II gives stature in mm and its "weightkg" in hectograms;
+# how many of its units are one of SI. ANSUR II gives stature in mm and "weightkg" in hectograms;
 # NHANES gives BMXHT in cm and BMXWT in kg.
 COLUMNS: Mapping[str, tuple[str, float]] = {
     "height": ("height", 1.0),

@@ -32,7 +32,7 @@ def bin_of(value: Scalar) -> Scalar:
     """Return the bin of a value: 0 for what is too small, the last one for what is too large."""
     xp = namespace(value)
     bits = xp.asarray(value).view(xp.int64) >> _SHIFT
-    return xp.clip(bits - _FIRST + 1, 0, VALUE_BINS + 1)
+    return xp.clip(bits - _FIRST + 1, 0, VALUE_BINS + 1).astype(xp.int32)
 
 
 def bin_edges() -> np.ndarray:

@@ -1,4 +1,4 @@
-"""How fast are persons drawn, judged and counted, beside drawing their random numbers alone?
+"""How fast are persons drawn, judged and counted, beside drawing their random numbers alone.
 
 And beside the same population in plain NumPy and with OpenTURNS' random numbers, with the same
 fraction unstable. Run as ``python benchmarks/population.py`` (about a minute).
@@ -10,8 +10,8 @@ import threading
 from pathlib import Path
 
 import numpy as np
-from harness import Demand, Report, Row, in_turn, ratio
 
+from harness import Demand, Report, Row, in_turn, ratio
 from standfast.population import PopulationStudy
 from standfast.population.crowd import crowd_of
 from standfast.population.simulation import _counted, tally_shapes
@@ -89,7 +89,13 @@ def main() -> None:
         "How fast are persons drawn, judged and counted?",
         f"{study.size:,} women of NHANES, normal laws of all three joints, {threads} threads",
         rows,
-        [Demand("population over drawing its random numbers alone", 0.7, ratio(seconds, "drawing", "standfast"))],
+        [
+            Demand(
+                "population over drawing its random numbers alone",
+                0.7,
+                ratio(seconds, "drawing", "standfast"),
+            )
+        ],
         [
             "Distributions are kept of the first 2²⁰ persons; of so many alone the rate is lower "
             "(next row), because each is then put into eight counts.",
@@ -104,7 +110,9 @@ def main() -> None:
         list(_counted(detailed, crowd, range(detailed.shard_count), threads, None))
 
     few = in_turn({"details": with_details}, 5)["details"]
-    report.rows.insert(2, Row("standfast: the first 2²⁰, with all distributions", few, 2**20, "persons"))
+    report.rows.insert(
+        2, Row("standfast: the first 2²⁰, with all distributions", few, 2**20, "persons")
+    )
     report.write(("openturns",))
 
 

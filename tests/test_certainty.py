@@ -10,7 +10,7 @@ import pytest
 
 import standfast as sf
 from standfast.body import REFERENCE_PEOPLE
-from standfast.certainty import exact_threshold, falling_below, in_doubt
+from standfast.certainty import exact_threshold, falling_below, near
 from standfast.engine import Evaluator
 
 KNEES = (700.0, 900.0, 2000.0, math.inf)
@@ -158,10 +158,11 @@ def test_a_joint_that_just_holds_or_just_fails_is_settled(joint):
     assert checked > 50
 
 
-def test_what_is_in_doubt_is_counted():
+def test_what_is_in_doubt_is_near():
     ankle = np.array([1.0, 2.0, 3.0, 5.0, np.inf])
     low, high = np.array([2.0, 3.5, 0.0, np.inf]), np.array([3.0, 4.0, np.inf, np.inf])
-    assert in_doubt(ankle, low, high).tolist() == [2, 0, 5, 0]
+    falling = np.array([2, 3, 4, 5])  # of thresholds 2.5, 3.7, 6 and infinity
+    assert near(ankle, falling, low, high).tolist() == [True, False, True, False]
     for threshold in (Fraction(1, 2), Fraction(1), Fraction(5, 2), Fraction(5), Fraction(7)):
         assert falling_below(ankle, threshold) == sum(k <= threshold for k in ankle)
     assert falling_below(ankle, None) == ankle.size

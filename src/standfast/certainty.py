@@ -62,16 +62,16 @@ def _handed_on(load: Fraction, stiffness: float) -> Fraction | None:
     return load * spring / (spring - load) if spring > load else None
 
 
-def in_doubt(ankle: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Return how many stiffnesses of a rising axis lie in each interval [low, high].
+def near(ankle: np.ndarray, falling: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Return where a stiffness of a rising axis lies in the interval [low, high].
 
-    An interval at infinity stands for a certain fall and holds none.
+    ``falling`` is how many of them lie at or below a number inside the interval, so only its
+    neighbours need be looked at. An interval at infinity stands for a certain fall.
     """
-    first = np.searchsorted(ankle, low, side="left")
-    count: np.ndarray = np.where(
-        low == np.inf, 0, np.searchsorted(ankle, high, side="right") - first
-    )
-    return count
+    below = ankle[np.maximum(falling - 1, 0)]
+    above = ankle[np.minimum(falling, len(ankle) - 1)]
+    inside: np.ndarray = ((low <= below) & (below <= high)) | ((low <= above) & (above <= high))
+    return inside & (low < np.inf)
 
 
 def falling_below(ankle: np.ndarray, threshold: Fraction | None) -> int:

@@ -146,7 +146,7 @@ def _compute(
 
     evaluate = Evaluator(study)
     forecast = _forecast(study, evaluate, place.folder, total)
-    evaluate.settled = 0  # the tiles of the forecast are computed again
+    known = evaluate.settled  # of the forecast's tiles, which are computed again
     if forecast.disk_bytes > forecast.free_bytes:
         raise InputError(
             f"the study needs about {in_bytes(forecast.disk_bytes)} of disk until it is finished, "
@@ -170,7 +170,7 @@ def _compute(
             written = writer.submit(_write, place, number, packed)
         if written is not None:
             written.result()
-    return evaluate.settled
+    return evaluate.settled - known
 
 
 def _write(place: "Workplace[Study]", number: int, packed: list[Packed]) -> None:

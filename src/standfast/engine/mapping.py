@@ -1,0 +1,120 @@
+"""Functions of one person mapped over axes, over points, over persons: all ``jit`` and ``vmap``."""
+
+from collections.abc import Callable, Hashable, Mapping
+from functools import lru_cache
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from standfast.arithmetic import Scalar
+from standfast.body import REFERENCE_PEOPLE, Body, Stiffness, rescaled
+from standfast.study import JOINTS, Study
+
+# One person with stiffness and gravity.
+Person = tuple[Body, Stiffness, Scalar]
+OfOne = Callable[[dict[str, Any]], Any]
+
+# Without it XLA uses half of the vector registers that many processors have.
+COMPILER_OPTIONS = {"xla_cpu_prefer_vector_width": 512}
+
+
+def over_axes(function: OfOne, axes: tuple[str, ...]) -> Callable[..., Any]:
+    """Compile a function of one person's parameters over the grid of some of them.
+
+    The result takes the parameters that are fixed and the pieces of the axes, both by name; the
+    last axis is fastest. It is mapped one axis at a time, so that each intermediate result is
+    computed on its own axes alone: gravity loads on those of the body, and so on.
+    """
+
+    def of_both(fixed: dict[str, Any], varying: dict[str, Any]) -> Any:
+        return function({**fixed, **varying})
+
+    for mapped in reversed(axes):
+        along = {name: 0 if name == mapped else None for name in axes}
+        of_both = jax.vmap(of_both, in_axes=(None, along))
+    return compiled(of_both)
+
+
+def over_points(function: OfOne) -> Callable[..., Any]:
+    """Compile a function of one person's parameters over points, whose parameters all vary."""
+    return compiled(
+        jax.vmap(lambda fixed, varying: function({**fixed, **varying}), in_axes=(None, 0))
+    )
+
+
+@lru_cache(maxsize=32)
+def over_persons(
+    function: Callable[[Any, dict[str, Scalar]], dict[str, Scalar]],
+    model: Hashable,
+    names: tuple[str, ...],
+) -> Callable[[np.ndarray], dict[str, np.ndarray]]:
+    """Map a function of a model and one person's named numbers over many persons.
+
+    Takes the numbers as an array (names, persons) and gives an array of persons a result. Compiled
+    once for each function, model and number of persons.
+    """
+
+    def of_one(column: Scalar) -> dict[str, Scalar]:
+        return function(model, {name: column[row] for row, name in enumerate(names)})
+
+    mapped = compiled(jax.vmap(of_one, in_axes=1))
+
+    def evaluate(numbers: np.ndarray) -> dict[str, np.ndarray]:
+        with jax.enable_x64(True):
+            return {name: np.asarray(values) for name, values in mapped(numbers).items()}
+
+    return evaluate
+
+
+def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a function with what this machine's processor likes."""
+    options = COMPILER_OPTIONS if jax.default_backend() == "cpu" else None
+    return jax.jit(function, compiler_options=options)
+
+
+def person(parameters: Mapping[str, Any]) -> Person:
+    """Make one person, with stiffness and gravity, from the inputs of parameters by name."""
+    body, reference_height, reference_mass = parameters["body_model"]
+    height = parameters["height"]
+    mass = parameters["mass"] if "mass" in parameters else parameters["bmi"] * height**2
+    # a threshold is asked without its own joint, whose stiffness then does not enter
+    stiffness = Stiffness._make(parameters.get(joint, jnp.nan) for joint in JOINTS)
+    scaled = rescaled(Body._make(body), height / reference_height, mass / reference_mass)
+    return scaled, stiffness, parameters["gravity"]
+
+
+class Inputs:
+    """The parameters of a study as :func:`person` takes them: fixed ones, and along the axes."""
+
+    def __init__(self, study: Study) -> None:
+        self.along = {name: _along(name, values) for name, values in study.axes.items()}
+        self.fixed = {
+            name: jax.tree.map(lambda leaf: leaf[0], _along(name, np.array([value])))
+            for name, value in study.fixed.items()
+        }
+
+    def pieces(self, places: Mapping[str, np.ndarray]) -> dict[str, Any]:
+        """Return what lies at some places of each axis."""
+        return {
+            name: jax.tree.map(lambda leaf, at=at: leaf[at], self.along[name])
+            for name, at in places.items()
+        }
+
+
+def _along(name: str, values: np.ndarray) -> Any:
+    """Return the inputs of an axis: its values, or for body models their reference people."""
+    if name != "body_model":
+        return values
+    people = [REFERENCE_PEOPLE[model] for model in values]
+    return (
+        tuple(np.stack(leaves) for leaves in zip(*(one.body for one in people), strict=True)),
+        np.array([one.height for one in people]),
+        np.array([one.mass for one in people]),
+    )
+
+
+def places(number: int, length: int, count: int) -> np.ndarray:
+    """Return the places of a chunk on an axis, repeating the last one beyond the axis's end."""
+    return np.minimum(np.arange(number * length, (number + 1) * length), count - 1)

@@ -1,0 +1,141 @@
+"""Quantities that are numbers: one function of one person each, mapped over a group's axes.
+
+Eigenvalues have a quick way, which says itself where it is in doubt; there, at a few points in a
+hundred, the accurate way follows.
+"""
+
+from collections.abc import Callable, Mapping
+from functools import cache, lru_cache, partial
+from typing import Any
+
+import numpy as np
+
+from standfast import stability
+from standfast.arithmetic import Scalar, namespace
+from standfast.body import Body, Stiffness
+from standfast.engine.mapping import Inputs, Person, over_axes, over_points, person, places
+from standfast.modes import (
+    Modes,
+    frequency,
+    growth_rate,
+    modes,
+    quick_eigenvalues,
+    ratio_to_ankle,
+)
+from standfast.study import Group, Study, Tile
+
+ModesOf = Callable[[], Modes]
+
+# How each quantity is computed for one person, whose modes are found at most once.
+FUNCTIONS: Mapping[str, Callable[[Person, ModesOf], Scalar]] = {
+    "stability_determinant": lambda one, _: stability.stability_determinant(*one),
+    "critical_ankle_stiffness": lambda one, _: critical("ankle", *one),
+    "critical_knee_stiffness": lambda one, _: critical("knee", *one),
+    "critical_hip_stiffness": lambda one, _: critical("hip", *one),
+    "stiffness_reserve": lambda one, _: stability.stiffness_reserve(*one),
+    "safety_factor": lambda one, _: stability.safety_factor(*one),
+    "eigenvalue_1": lambda _, modes_of: modes_of().eigenvalues[0],
+    "eigenvalue_2": lambda _, modes_of: modes_of().eigenvalues[1],
+    "eigenvalue_3": lambda _, modes_of: modes_of().eigenvalues[2],
+    "frequency": lambda _, modes_of: frequency(modes_of().eigenvalues[0]),
+    "growth_rate": lambda _, modes_of: growth_rate(modes_of().eigenvalues[0]),
+    "hip_ankle_ratio": lambda one, modes_of: ratio_to_ankle("hip", one[1], modes_of()),
+    "knee_ankle_ratio": lambda one, modes_of: ratio_to_ankle("knee", one[1], modes_of()),
+}
+OF_EIGENVALUES = {"eigenvalue_1", "eigenvalue_2", "eigenvalue_3", "frequency", "growth_rate"}
+OF_SHAPES = {"hip_ankle_ratio", "knee_ankle_ratio"}
+
+# Points that are computed the accurate way at once.
+POINTS = 4096
+
+
+def critical(joint: str, body: Body, stiffness: Stiffness, gravity: Scalar) -> Scalar:
+    """Return the threshold of a joint, which does not ask for that joint's own stiffness."""
+    ankle, knee, hip = stiffness
+    if joint == "ankle":
+        return stability.critical_ankle_stiffness(body, knee, hip, gravity)
+    if joint == "knee":
+        return stability.critical_knee_stiffness(body, ankle, hip, gravity)
+    return stability.critical_hip_stiffness(body, ankle, knee, gravity)
+
+
+def _accurately(quantities: tuple[str, ...], parameters: dict[str, Any]) -> tuple[Scalar, ...]:
+    """Return the quantities of one person."""
+    one = person(parameters)
+    modes_of = cache(partial(modes, *one))
+    return tuple(FUNCTIONS[quantity](one, modes_of) for quantity in quantities)
+
+
+def _quickly(quantities: tuple[str, ...], parameters: dict[str, Any]) -> tuple[Scalar, ...]:
+    """Return the quantities of one person, eigenvalues the quick way, and whether in doubt."""
+    one = person(parameters)
+    *eigenvalues, doubt = quick_eigenvalues(*one)
+    xp = namespace(*eigenvalues)
+    quick = Modes(xp.stack(eigenvalues), xp.nan)
+    return (*(FUNCTIONS[quantity](one, lambda: quick) for quantity in quantities), doubt)
+
+
+# Compiled for each set of quantities and axes; studies that differ in numbers alone share it.
+@lru_cache(maxsize=64)
+def _compiled(
+    way: Callable[[tuple[str, ...], dict[str, Any]], tuple[Scalar, ...]],
+    quantities: tuple[str, ...],
+    axes: tuple[str, ...] | None,
+) -> Callable[..., Any]:
+    of_one = partial(way, quantities)
+    return over_points(of_one) if axes is None else over_axes(of_one, axes)
+
+
+class Values:
+    """Computes the tiles of a group of numbers."""
+
+    def __init__(self, study: Study, group: Group, inputs: Inputs) -> None:
+        self.group, self.inputs = group, inputs
+        wanted = set(group.quantities)
+        self.quick = bool(wanted & OF_EIGENVALUES) and not wanted & OF_SHAPES
+        way = _quickly if self.quick else _accurately
+        self.on_grid = _compiled(way, group.quantities, group.axes)
+        self.lengths = [len(study.axes[name]) for name in group.axes]
+
+    def __call__(self, tile: Tile) -> tuple[np.ndarray, ...]:
+        """Compute one tile."""
+        group = self.group
+        at = dict(
+            zip(group.axes, map(places, tile.chunk, group.chunk_shape, self.lengths), strict=True)
+        )
+        found = self.on_grid(self.inputs.fixed, self.inputs.pieces(at))
+        if not self.quick:
+            return tuple(np.asarray(values) for values in found)
+        *results, doubt = found
+        where = np.nonzero(np.atleast_1d(doubt))
+        if where[0].size == 0:
+            return tuple(np.asarray(values) for values in results)
+        values = tuple(np.array(values) for values in results)
+        if not group.axes:
+            where = ()
+        self._correct(values, where, at)
+        return values
+
+    def _correct(
+        self,
+        values: tuple[np.ndarray, ...],
+        where: tuple[np.ndarray, ...],
+        at: Mapping[str, np.ndarray],
+    ) -> None:
+        """Compute the points in doubt the accurate way, and put them into their places."""
+        if not where:
+            exact = _compiled(_accurately, self.group.quantities, ())(self.inputs.fixed, {})
+            for array, value in zip(values, exact, strict=True):
+                array[()] = value
+            return
+        accurate = _compiled(_accurately, self.group.quantities, None)
+        for first in range(0, where[0].size, POINTS):
+            batch = tuple(index[first : first + POINTS] for index in where)
+            # every batch has one length, so that it compiles once
+            padded = [np.resize(index, POINTS) for index in batch]
+            points = {
+                name: at[name][index] for name, index in zip(self.group.axes, padded, strict=True)
+            }
+            exact = accurate(self.inputs.fixed, self.inputs.pieces(points))
+            for array, result in zip(values, exact, strict=True):
+                array[batch] = np.asarray(result)[: batch[0].size]

@@ -1,0 +1,121 @@
+"""Verdicts: the ankle's threshold on every other axis, then one comparison a point, all certain."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from standfast import stability
+from standfast.arithmetic import Scalar
+from standfast.certainty import SCALING_ROUNDING, exact_threshold, falling_below, near
+from standfast.engine.mapping import Inputs, over_axes, person, places
+from standfast.study import Group, Study, Tile
+
+ANKLE = "ankle_stiffness"
+
+# Thresholds that are kept between tiles, in bytes.
+KEPT = 2**26
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Thresholds:
+    """How many values of the ankle's axis fall, on a chunk of the other axes.
+
+    ``settled`` holds the places on the ankle's axis of the verdicts that needed exact arithmetic.
+    """
+
+    falling: np.ndarray
+    lowest: int
+    highest: int
+    settled: np.ndarray
+
+    def settled_within(self, start: int, stop: int) -> int:
+        """Return how many verdicts of some places on the ankle's axis needed exact arithmetic."""
+        first, last = np.searchsorted(self.settled, [start, stop])
+        return int(last - first)
+
+
+class Verdicts:
+    """Computes the tiles of the verdict.
+
+    Along the ankle's axis verdicts change once, from falling to standing, at a place that the
+    thresholds tell. So a verdict is one comparison of small integers a point, done in NumPy about
+    as fast as memory is written; a chunk of equal verdicts is known from the extremes.
+    """
+
+    def __init__(self, study: Study, group: Group, inputs: Inputs) -> None:
+        self.study, self.group, self.inputs = study, group, inputs
+        self.settled = 0
+        self.others = tuple(name for name in group.axes if name != ANKLE)
+        self.ankle = study.axes.get(ANKLE, np.array([study.fixed.get(ANKLE, math.nan)]))
+        # an ankle of one stiffness is an axis of one value, behind all others
+        self.axis = group.axes.index(ANKLE) if ANKLE in group.axes else len(group.axes)
+        self.length = (*group.chunk_shape, 1)[self.axis]
+        self.kind = np.uint8 if self.length < 2**8 else np.uint32
+        behind = max(len(group.axes) - 1 - self.axis, 0)
+        self.steps = np.arange(self.length, dtype=self.kind).reshape(-1, *(1,) * behind)
+        self.shape = group.chunk_shape[: self.axis] + group.chunk_shape[self.axis + 1 :]
+        # the tiles of a study go through the thresholds again and again
+        self.thresholds: Callable[[tuple[int, ...]], Thresholds] = lru_cache(
+            maxsize=max(KEPT // (8 * max(math.prod(self.shape), 1)), 1)
+        )(self._thresholds)
+
+    def __call__(self, tile: Tile) -> tuple[np.ndarray, ...]:
+        """Compute one tile; a chunk of equal verdicts comes as a view of one number."""
+        found = self.thresholds(tile.chunk[: self.axis] + tile.chunk[self.axis + 1 :])
+        start = (*self.group.start(tile), 0)[self.axis]
+        stop = start + self.length
+        self.settled += found.settled_within(start, stop)
+        if found.lowest >= stop or found.highest <= start:
+            one = np.uint8(found.highest <= start)
+            return (np.broadcast_to(one, self.group.chunk_shape),)
+        falling = np.clip(found.falling - start, 0, self.length).astype(self.kind)
+        stable = np.empty(self.group.chunk_shape, np.uint8)
+        out = stable.view(bool)
+        if self.axis == len(self.group.axes):
+            out = out[..., None]
+        np.greater_equal(self.steps, np.expand_dims(falling, self.axis), out=out)
+        return (stable,)
+
+    def _thresholds(self, chunk: tuple[int, ...]) -> Thresholds:
+        """Compute the thresholds on one chunk of the other axes.
+
+        Where an ankle stiffness of the study lies in the interval in which the exact threshold
+        does, the threshold is settled in fractions.
+        """
+        counts = [len(self.study.axes[name]) for name in self.others]
+        at = dict(zip(self.others, map(places, chunk, self.shape, counts), strict=True))
+        found = _compiled(self.others)(self.inputs.fixed, self.inputs.pieces(at))
+        threshold, low, high = (np.asarray(each) for each in found)
+        falling = np.array(np.searchsorted(self.ankle, threshold, side="right"))
+        settled = []
+        for index in map(tuple, np.argwhere(near(self.ankle, falling, low, high))):
+            varying = {
+                name: self.study.axes[name][at[name][i]]
+                for name, i in zip(self.others, index, strict=True)
+            }
+            exact = exact_threshold({**self.study.fixed, **varying})
+            falling[index] = falling_below(self.ankle, exact)
+            # values that are repeated beyond the end of an axis are counted once
+            sizes = [np.unique(at[name]).size for name in self.others]
+            if all(i < size for i, size in zip(index, sizes, strict=True)):
+                within = (low[index] <= self.ankle) & (self.ankle <= high[index])
+                settled.append(np.flatnonzero(within))
+        counted = np.sort(np.concatenate([*settled, np.empty(0, np.int64)]))
+        return Thresholds(falling, int(falling.min()), int(falling.max()), counted)
+
+
+@lru_cache(maxsize=64)
+def _compiled(others: tuple[str, ...]) -> Callable[..., Any]:
+    """Compile the thresholds over some axes; studies that differ in numbers alone share it."""
+    return over_axes(_thresholds_of_one, others)
+
+
+def _thresholds_of_one(parameters: dict[str, Any]) -> tuple[Scalar, Scalar, Scalar]:
+    """Return one person's threshold, and the ends between which the exact one lies."""
+    body, (_, knee, hip), gravity = person(parameters)
+    low, high = stability.threshold_interval(body, knee, hip, gravity, scaling=SCALING_ROUNDING)
+    return stability.critical_ankle_stiffness(body, knee, hip, gravity), low, high

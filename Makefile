@@ -3,12 +3,13 @@
 #   make population a Monte Carlo of US adults into results/us-adults/
 #   make test       set up, then run the tests
 #   make check      format, lint, types, tests
+#   make bench      every benchmark, and results/benchmarks/README.md (about eight minutes)
 #   make reproduce  the 2007 paper, number by number
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: atlas population test check reproduce format clean
+.PHONY: atlas population test check bench reproduce format clean
 .DELETE_ON_ERROR:
 
 atlas: $(VENV)/run.stamp
@@ -36,9 +37,17 @@ check: $(VENV)/check.stamp
 	$(BIN)/mypy
 	$(MAKE) test
 
+bench: $(VENV)/bench.stamp
+	@for script in verdicts storing peers population growth startup report; do \
+	  $(BIN)/python benchmarks/$$script.py || exit 1; done
+
 format: $(VENV)/check.stamp
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
+
+$(VENV)/bench.stamp: $(VENV)/test.stamp
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test,bench]'
+	@touch $@
 
 clean:
 	rm -rf $(VENV)

@@ -69,7 +69,7 @@ class Report:
         """Write ``results/benchmarks/NAME.json`` and say on the screen what it holds."""
         content = asdict(self) | {"machine": machine(), "versions": versions(packages)}
         for demand, plain in zip(self.demands, content["demands"], strict=True):
-            plain["met"] = demand.met
+            plain["met"] = bool(demand.met)
         RESULTS.mkdir(parents=True, exist_ok=True)
         path = RESULTS / f"{self.name}.json"
         path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")

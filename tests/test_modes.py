@@ -11,6 +11,7 @@ import scipy.optimize
 import standfast as sf
 from people import batch, person_of, random_body, random_gravity, random_stiffness
 from standfast.dynamics import second_variation
+from standfast.modes import quick_eigenvalues
 from standfast.stability import verdict
 
 DIGITS = 50
@@ -232,3 +233,29 @@ def test_the_energy_of_the_neutral_mode_vanishes():
     x = (433.8432952 + 180.1895424) / (1000.0 - 433.8432952)
     energy = second_variation(body, sf.Stiffness(ankle, 1000.0, hip), 9.8, (1.0, x, 1.0))
     assert energy == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_quick_eigenvalues_are_right_or_in_doubt(kind):
+    """Also near 0 without any exception: there they are in doubt."""
+    make, count = KINDS[kind]
+    rng = np.random.default_rng((1975, list(KINDS).index(kind)))
+    doubts, ignored = 0, 0.0
+    for _ in range(count):
+        case = make(rng)
+        *found, doubt = quick_eigenvalues(*case)
+        exact, _ = exact_modes(*case)
+        errors = [
+            float(abs((mpmath.mpf(float(ours)) - value) / value)) if value else math.inf
+            for ours, value in zip(found, exact, strict=False)
+        ]
+        doubts += bool(doubt)
+        assert doubt or np.isfinite(case[1]).all()
+        if doubt:
+            ignored = max(ignored, *errors)
+        else:
+            assert max(errors) < EIGENVALUE_RTOL
+    if kind == "usual":
+        assert doubts < 0.1 * count
+    if kind == "near_zero":  # the doubt is needed
+        assert ignored > 100.0 * EIGENVALUE_RTOL

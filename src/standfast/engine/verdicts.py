@@ -1,6 +1,8 @@
 """Verdicts: the ankle's threshold on every other axis, then one comparison a point, all certain."""
 
 import math
+import sys
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
@@ -34,8 +36,38 @@ class Thresholds:
 
     def settled_within(self, start: int, stop: int) -> int:
         """Return how many verdicts of some places on the ankle's axis needed exact arithmetic."""
+        if self.settled.size == 0:
+            return 0
         first, last = np.searchsorted(self.settled, [start, stop])
         return int(last - first)
+
+
+class Recycled:
+    """Memory for arrays of one shape, used again once nobody holds the array any more.
+
+    Fresh memory is mapped page by page when it is first written, which takes longer than writing.
+    """
+
+    def __init__(self, shape: tuple[int, ...]) -> None:
+        self.shape = shape
+        self._arrays: list[np.ndarray] = []
+        self._lock = threading.Lock()
+
+    def take(self) -> np.ndarray:
+        """Return an array of bytes with any content."""
+        with self._lock:
+            for array in self._arrays:
+                if sys.getrefcount(array) == UNSHARED:
+                    return array[...]
+            array = np.empty(self.shape, np.uint8)
+            if len(self._arrays) < MOST_RECYCLED:
+                self._arrays.append(array)
+            return array[...]
+
+
+# References to an array that nobody else holds: of the list, of the loop, of the asking.
+UNSHARED = 3
+MOST_RECYCLED = 32
 
 
 class Verdicts:
@@ -58,6 +90,7 @@ class Verdicts:
         behind = max(len(group.axes) - 1 - self.axis, 0)
         self.steps = np.arange(self.length, dtype=self.kind).reshape(-1, *(1,) * behind)
         self.shape = group.chunk_shape[: self.axis] + group.chunk_shape[self.axis + 1 :]
+        self.memory = Recycled(group.chunk_shape)
         # the tiles of a study go through the thresholds again and again
         self.thresholds: Callable[[tuple[int, ...]], Thresholds] = lru_cache(
             maxsize=max(KEPT // (8 * max(math.prod(self.shape), 1)), 1)
@@ -66,14 +99,16 @@ class Verdicts:
     def __call__(self, tile: Tile) -> tuple[np.ndarray, ...]:
         """Compute one tile; a chunk of equal verdicts comes as a view of one number."""
         found = self.thresholds(tile.chunk[: self.axis] + tile.chunk[self.axis + 1 :])
-        start = (*self.group.start(tile), 0)[self.axis]
+        start = self.length * (*tile.chunk, 0)[self.axis]
         stop = start + self.length
         self.settled += found.settled_within(start, stop)
         if found.lowest >= stop or found.highest <= start:
             one = np.uint8(found.highest <= start)
             return (np.broadcast_to(one, self.group.chunk_shape),)
-        falling = np.clip(found.falling - start, 0, self.length).astype(self.kind)
-        stable = np.empty(self.group.chunk_shape, np.uint8)
+        # cut off first: then the difference fits the small integers it is made of
+        falling = np.clip(found.falling, start, stop) - found.falling.dtype.type(start)
+        falling = falling.astype(self.kind)
+        stable = self.memory.take()
         out = stable.view(bool)
         if self.axis == len(self.group.axes):
             out = out[..., None]
@@ -105,7 +140,9 @@ class Verdicts:
                 within = (low[index] <= self.ankle) & (self.ankle <= high[index])
                 settled.append(np.flatnonzero(within))
         counted = np.sort(np.concatenate([*settled, np.empty(0, np.int64)]))
-        return Thresholds(falling, int(falling.min()), int(falling.max()), counted)
+        small = np.int16 if len(self.ankle) < 2**15 else np.int64
+        lowest, highest = int(falling.min()), int(falling.max())
+        return Thresholds(falling.astype(small), lowest, highest, counted)
 
 
 @lru_cache(maxsize=64)

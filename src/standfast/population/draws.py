@@ -19,7 +19,7 @@ from standfast.population.laws import UNCORRELATED, Coordinate, Correlation
 
 # Independent scramblings of a quasi-Monte Carlo run: the interval is Student's t of their spread.
 REPLICATES = 16
-LARGEST_BLOCK = 2**16
+LARGEST_BLOCK = 2**17
 
 # What a seed is used for; each has streams of its own.
 MONTE_CARLO, SCRAMBLING = 0, 1

@@ -29,7 +29,7 @@ Progress = Callable[[int, int], None]
 DETAILED = 2**20
 
 # Of those who fall in a block, at most so many have their growth rate computed.
-MOST_FALLS = 4096
+MOST_FALLS = 8192
 
 # What is kept of every person when asked, beside whether they stand.
 KEPT = (

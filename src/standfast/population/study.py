@@ -32,7 +32,7 @@ TOP_KEYS = ("title", "gravity", "population", "stiffness", "output")
 MOST_KEPT = 10**8  # persons stored one by one
 
 # Blocks that are written together: about a second of work, and less where every person is kept.
-BLOCKS_PER_SHARD, BLOCKS_PER_SHARD_KEPT = 128, 4
+BLOCKS_PER_SHARD, BLOCKS_PER_SHARD_KEPT = 64, 2
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 
 from standfast.quantities import QUANTITIES, InputError, Quantity, nearest_name
-from standfast.store.layout import FORMAT, FORMAT_VERSION, inflated, said
+from standfast.store.layout import FORMAT, FORMAT_VERSION, constant_in, inflated, said
 from standfast.study import Group, Study
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -279,11 +279,15 @@ def _read_box(
     dataset: h5py.Dataset, group: Group, dtype: np.dtype[Any], box: tuple[slice, ...]
 ) -> np.ndarray:
     """Read a box: raw chunks one after the other, inflated in threads."""
-    values = np.empty([part.stop - part.start for part in box], dtype)
+    # zeroed memory is not touched before something else is written to it
+    values = np.zeros([part.stop - part.start for part in box], dtype)
     sides = group.chunk_shape
 
     def place(start: tuple[int, ...], raw: bytes) -> None:
-        chunk = inflated(raw, dtype, sides)
+        alike = constant_in(raw, dtype, math.prod(sides))
+        if alike == 0:
+            return
+        chunk = inflated(raw, dtype, sides) if alike is None else np.broadcast_to(alike, sides)
         source, target = [], []
         for first, side, part in zip(start, sides, box, strict=True):
             low, high = max(first, part.start), min(first + side, part.stop)

@@ -80,6 +80,16 @@ def inflated(raw: bytes, dtype: np.dtype[Any], shape: tuple[int, ...]) -> np.nda
     return flat.reshape(-1).view(dtype).reshape(shape)
 
 
+def constant_in(raw: bytes, dtype: np.dtype[Any], size: int) -> np.uint8 | None:
+    """Return the one verdict that fills a chunk, known by its compressed bytes; else None."""
+    if dtype != np.uint8:
+        return None
+    for value in (0, 1):
+        if raw == _constant(dtype.str, value, size):
+            return np.uint8(value)
+    return None
+
+
 _constants: dict[tuple[str, Any, int], bytes] = {}
 
 

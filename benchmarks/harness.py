@@ -12,8 +12,13 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import jax
+
 ROOT = Path(__file__).parents[1]
-RESULTS = ROOT / "results" / "benchmarks"
+
+# On a GPU the same scripts run unchanged, and write beside the results of the processor.
+BACKEND = jax.default_backend()
+RESULTS = ROOT / "results" / "benchmarks" / ("" if BACKEND == "cpu" else BACKEND)
 PACKAGES = ("standfast", "jax", "numpy", "scipy", "h5py", "isal")
 
 
@@ -109,6 +114,7 @@ def machine() -> dict[str, Any]:
         model = next((line.split(":")[1].strip() for line in lines if "model name" in line), "")
     return {
         "cores": os.cpu_count(),
+        "computes_on": str(jax.devices()[0]) if BACKEND != "cpu" else "",
         "processor": model or platform.processor(),
         "system": f"{platform.system()} {platform.machine()}",
         "python": platform.python_version(),

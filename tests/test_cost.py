@@ -40,7 +40,7 @@ BODY = Body.edwards2007()
 
 # Function of a point, and bounds on operations and bytes, with the reason.
 KERNELS = {
-    # counted: 321 and 313. Coefficients, three steps of Laguerre, a quadratic, the estimate of the error
+    # counted: 321 and 313. Coefficients, three steps of Laguerre, a quadratic, an error estimate
     "quick eigenvalues": (
         lambda a, k, h: quick_eigenvalues(BODY, Stiffness._make((a, k, h)), 9.8),
         355.0,

@@ -14,6 +14,7 @@ from standfast import stability
 from standfast.arithmetic import Scalar, namespace
 from standfast.body import Body, Stiffness
 from standfast.engine.mapping import Inputs, Person, over_axes, over_points, person, places
+from standfast.engine.memory import Recycled
 from standfast.modes import (
     Modes,
     frequency,
@@ -95,6 +96,7 @@ class Values:
         self.quick = bool(wanted & OF_EIGENVALUES) and not wanted & OF_SHAPES
         way = _quickly if self.quick else _accurately
         self.on_grid = _compiled(way, group.quantities, group.axes)
+        self.memory = Recycled(group.chunk_shape, np.float64)
         self.lengths = [len(study.axes[name]) for name in group.axes]
 
     def __call__(self, tile: Tile) -> tuple[np.ndarray, ...]:
@@ -107,13 +109,13 @@ class Values:
         if not self.quick:
             return tuple(np.asarray(values) for values in found)
         *results, doubt = found
-        where = np.nonzero(np.atleast_1d(doubt))
-        if where[0].size == 0:
+        flat = np.flatnonzero(doubt)
+        if flat.size == 0:
             return tuple(np.asarray(values) for values in results)
-        values = tuple(np.array(values) for values in results)
-        if not group.axes:
-            where = ()
-        self._correct(values, where, at)
+        values = tuple(self.memory.take() for _ in results)
+        for array, result in zip(values, results, strict=True):
+            np.copyto(array, result)
+        self._correct(values, np.unravel_index(flat, group.chunk_shape), at)
         return values
 
     def _correct(

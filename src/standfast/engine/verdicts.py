@@ -1,8 +1,6 @@
 """Verdicts: the ankle's threshold on every other axis, then one comparison a point, all certain."""
 
 import math
-import sys
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
@@ -14,6 +12,7 @@ from standfast import stability
 from standfast.arithmetic import Scalar
 from standfast.certainty import SCALING_ROUNDING, exact_threshold, falling_below, near
 from standfast.engine.mapping import Inputs, over_axes, person, places
+from standfast.engine.memory import Recycled
 from standfast.study import Group, Study, Tile
 
 ANKLE = "ankle_stiffness"
@@ -42,34 +41,6 @@ class Thresholds:
         return int(last - first)
 
 
-class Recycled:
-    """Memory for arrays of one shape, used again once nobody holds the array any more.
-
-    Fresh memory is mapped page by page when it is first written, which takes longer than writing.
-    """
-
-    def __init__(self, shape: tuple[int, ...]) -> None:
-        self.shape = shape
-        self._arrays: list[np.ndarray] = []
-        self._lock = threading.Lock()
-
-    def take(self) -> np.ndarray:
-        """Return an array of bytes with any content."""
-        with self._lock:
-            for array in self._arrays:
-                if sys.getrefcount(array) == UNSHARED:
-                    return array[...]
-            array = np.empty(self.shape, np.uint8)
-            if len(self._arrays) < MOST_RECYCLED:
-                self._arrays.append(array)
-            return array[...]
-
-
-# References to an array that nobody else holds: of the list, of the loop, of the asking.
-UNSHARED = 3
-MOST_RECYCLED = 32
-
-
 class Verdicts:
     """Computes the tiles of the verdict.
 
@@ -90,7 +61,7 @@ class Verdicts:
         behind = max(len(group.axes) - 1 - self.axis, 0)
         self.steps = np.arange(self.length, dtype=self.kind).reshape(-1, *(1,) * behind)
         self.shape = group.chunk_shape[: self.axis] + group.chunk_shape[self.axis + 1 :]
-        self.memory = Recycled(group.chunk_shape)
+        self.memory = Recycled(group.chunk_shape, np.uint8)
         # the tiles of a study go through the thresholds again and again
         self.thresholds: Callable[[tuple[int, ...]], Thresholds] = lru_cache(
             maxsize=max(KEPT // (8 * max(math.prod(self.shape), 1)), 1)

@@ -41,6 +41,9 @@ def _writers(
         "raw": write,
         "gzip": lambda: write(compression="gzip"),
         "gzip and shuffle": lambda: write(compression="gzip", shuffle=True, chunks=chunks),
+        "gzip 1": lambda: write(
+            compression="gzip", compression_opts=1, shuffle=True, chunks=chunks
+        ),
     }
     try:
         import hdf5plugin  # noqa: PLC0415 - a peer that need not be there
@@ -63,6 +66,7 @@ WORDS = {
     "raw": "h5py, contiguous (finished array)",
     "gzip": "h5py, gzip (finished array)",
     "gzip and shuffle": "h5py, gzip and shuffle, same chunks (finished array)",
+    "gzip 1": "h5py, gzip of level 1 and shuffle, same chunks (finished array)",
     "blosc": "hdf5plugin, blosc (finished array; needs the plugin to be read)",
 }
 
@@ -77,7 +81,7 @@ def _verdicts(folder: Path) -> Report:
 
     def read_h5py() -> None:
         with h5py.File(atlas.path) as file:
-            file["stable"][...]
+            np.count_nonzero(file["stable"][...])
 
     def slice_h5py() -> None:
         with h5py.File(atlas.path) as file:
@@ -86,7 +90,7 @@ def _verdicts(folder: Path) -> Report:
     jobs = {
         "sweep": _sweeping(study, folder / "again.h5"),
         **ways,
-        "read": lambda: np.asarray(atlas["stable"]),
+        "read": lambda: np.count_nonzero(np.asarray(atlas["stable"])),
         "read h5py": read_h5py,
         "slice": lambda: atlas["stable"][:, middle, :],
         "slice h5py": slice_h5py,
@@ -102,8 +106,8 @@ def _verdicts(folder: Path) -> Report:
             f"{atlas.path.stat().st_size / 1e6:.1f} MB",
         ),
         *(Row(WORDS[way], seconds[way], work, "points") for way in ways),
-        Row("Atlas: reading all of it", seconds["read"], work, "points"),
-        Row("h5py: reading all of it", seconds["read h5py"], work, "points"),
+        Row("Atlas: reading all of it and counting", seconds["read"], work, "points"),
+        Row("h5py: reading all of it and counting", seconds["read h5py"], work, "points"),
         Row("Atlas: a plane out of it", seconds["slice"], work / 1000, "points"),
         Row("h5py: a plane out of it", seconds["slice h5py"], work / 1000, "points"),
     ]
@@ -122,7 +126,9 @@ def _verdicts(folder: Path) -> Report:
             "certifies, compresses, writes shards, syncs them, copies and verifies.",
             "A raw write costs what the system needs to find a gigabyte of page cache: from 0.3 s "
             "when it has just been freed to 3 s.",
-            "Everything is in the page cache when it is read.",
+            "Everything is in the page cache when it is read. What is read is counted through, so "
+            "that memory which was never touched is paid for.",
+            "h5py's gzip is its default, level 4; level 1, which standfast uses too, is beside it.",
         ],
     )
 

@@ -164,8 +164,8 @@ def test_what_is_in_doubt_is_near():
     falling = np.array([2, 3, 4, 5])  # of thresholds 2.5, 3.7, 6 and infinity
     assert near(ankle, falling, low, high).tolist() == [True, False, True, False]
     for threshold in (Fraction(1, 2), Fraction(1), Fraction(5, 2), Fraction(5), Fraction(7)):
-        assert falling_below(ankle, threshold) == sum(k <= threshold for k in ankle)
-    assert falling_below(ankle, None) == ankle.size
+        assert falling_below(ankle.tolist(), threshold) == sum(k <= threshold for k in ankle)
+    assert falling_below(ankle.tolist(), None) == ankle.size
 
 
 def test_the_run_tells_how_many_verdicts_were_settled(tmp_path):
@@ -176,3 +176,53 @@ def test_the_run_tells_how_many_verdicts_were_settled(tmp_path):
     sf.sweep(study_of(parameters, ankle), tmp_path / "a.h5")
     story = json.loads((tmp_path / "a.run.json").read_text(encoding="utf-8"))
     assert story["verdicts_settled_by_exact_arithmetic"] == ankle.size
+
+
+def test_a_long_ankle_axis_of_several_chunks_is_exact():
+    """More values than small integers hold, and a last chunk that reaches beyond the axis."""
+    for count in (300, 40_000):
+        ankle = np.linspace(0.0, 2000.0, count)
+        parameters = {"body_model": "winter", "height": 1.8, "bmi": 24.0, "gravity": 9.81}
+        hips = np.linspace(100.0, 1500.0, 60)
+        study = sf.Study.from_dict(
+            {
+                "gravity": 9.81,
+                "body": {"model": "winter", "height": 1.8, "bmi": 24.0},
+                "stiffness": {"ankle": ankle.tolist(), "knee": 1500.0, "hip": hips.tolist()},
+            }
+        )
+        evaluate, group = Evaluator(study), study.groups[0]
+        grid = np.empty(group.shape, np.uint8)
+        for number in range(group.tile_count):
+            tile = study.tile(0, number)
+            (chunk,) = evaluate(tile)
+            start = group.start(tile)
+            inside = tuple(
+                slice(0, min(side, n - first))
+                for side, n, first in zip(group.chunk_shape, group.shape, start, strict=True)
+            )
+            place = tuple(
+                slice(first, first + part.stop) for first, part in zip(start, inside, strict=True)
+            )
+            grid[place] = np.asarray(chunk)[inside]
+            # beyond the axis a chunk repeats the last value
+            last = np.asarray(chunk)[inside][-1:, :]
+            assert (np.asarray(chunk)[inside[0].stop :, inside[1]] == last).all()
+        for k, hip in enumerate(hips):
+            joints = {"knee_stiffness": 1500.0, "hip_stiffness": float(hip)}
+            threshold = exact_threshold({**parameters, **joints})
+            exact = [threshold is not None and float(x) > threshold for x in ankle]
+            assert grid[:, k].tolist() == exact
+
+
+def test_a_zoom_into_the_threshold_is_settled_at_once():
+    """Many values within the bound: each threshold costs one fraction, not one a value."""
+    parameters = next(people(1)) | {"knee_stiffness": 3000.0, "hip_stiffness": 3000.0}
+    threshold = exact_threshold(parameters)
+    assert threshold is not None
+    study = study_of(parameters, ulps_around(float(threshold), 200))
+    evaluate = Evaluator(study)
+    (found,) = evaluate(study.tile(0, 0))
+    assert np.asarray(found).astype(bool).tolist() == [
+        exact_verdict(parameters, float(k)) for k in study.axes["ankle_stiffness"]
+    ]

@@ -53,7 +53,7 @@ KERNELS = {
         36.0,
     ),
     # 121 and 256: the certain ends of a threshold: the recursion and its running error
-    "threshold": (lambda a, k, h: threshold_interval(BODY, k, h, 9.8), 134.0, 282.0),
+    "threshold": (lambda a, k, h: threshold_interval(BODY, k, h, 9.8), 140.0, 300.0),
     # 2063 and 2088: the accurate way, for the few points in doubt: sums of 79 bits
     "modes": (
         lambda a, k, h: modes(BODY, Stiffness._make((a, k, h)), 9.8).eigenvalues,

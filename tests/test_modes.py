@@ -256,6 +256,6 @@ def test_quick_eigenvalues_are_right_or_in_doubt(kind):
         else:
             assert max(errors) < EIGENVALUE_RTOL
     if kind == "usual":
-        assert doubts < 0.1 * count
+        assert doubts < 0.2 * count  # these bodies and stiffnesses are more various than people
     if kind == "near_zero":  # the doubt is needed
         assert ignored > 100.0 * EIGENVALUE_RTOL

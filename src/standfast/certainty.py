@@ -10,7 +10,7 @@ notation: γs, γt, γb gravity loads; L1, L2, L3 loads carried by ankle, knee, 
 
 import math
 from bisect import bisect_right
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 import numpy as np
@@ -74,6 +74,6 @@ def near(ankle: np.ndarray, falling: np.ndarray, low: np.ndarray, high: np.ndarr
     return inside & (low < np.inf)
 
 
-def falling_below(ankle: np.ndarray, threshold: Fraction | None) -> int:
+def falling_below(ankle: Sequence[float], threshold: Fraction | None) -> int:
     """Return how many stiffnesses of a rising axis are not above an exact threshold."""
-    return len(ankle) if threshold is None else bisect_right(ankle.tolist(), threshold)
+    return len(ankle) if threshold is None else bisect_right(ankle, threshold)

@@ -194,7 +194,7 @@ def stiffness_reserve(
     """Return the smallest eigenvalue of C: what every joint could lose at once (N·m/rad).
 
     Negative where every joint must gain that much. A rigid joint loses nothing and is left out;
-    with three rigid joints the reserve is infinite. Its sign is that of the verdict.
+    with three rigid joints the reserve is infinite. Its sign is that of :func:`is_stable`.
 
     Raises
     ------
@@ -313,28 +313,35 @@ def _error_after(load: Scalar, error: Scalar, stiffness: Scalar, *, own: float) 
     return xp.where((stiffness > load) & (total < LARGEST_RELATIVE_ERROR), total, xp.inf)
 
 
+OUTWARD = 1.25
+
+
 @np.errstate(all="ignore")
 def threshold_interval(
     body: Body, knee: Scalar, hip: Scalar, gravity: Scalar, *, scaling: float = 0.0
-) -> tuple[Scalar, Scalar]:
-    """Return the ends between which the ankle's exact threshold lies for certain (N·m/rad).
+) -> Vector:
+    """Return the ankle's threshold, and the ends between which the exact one lies (N·m/rad).
 
-    Both infinite where knee or hip fail beyond doubt; 0 and infinity where that is in doubt. The
-    bounds are those of :func:`load_rounding`.
+    The ends are both infinite where knee or hip fail beyond doubt, and 0 and infinity where that
+    is in doubt. The bounds are those of :func:`load_rounding`.
     """
     stiffness = Stiffness._make((0.0, knee, hip))
     xp = namespace(*body, knee, hip, gravity)
     at_ankle, at_knee, at_hip = carried_loads(body, stiffness, gravity)
     ankle_error, knee_error, hip_error = load_rounding(body, stiffness, gravity, scaling=scaling)
+    # outward by more than these sums are rounded themselves
+    ankle_error, knee_error, hip_error = (
+        OUTWARD * error for error in (ankle_error, knee_error, hip_error)
+    )
     hip_fails = hip < at_hip - hip_error
     hip_holds = hip > at_hip + hip_error
     known = hip_holds & xp.isfinite(knee_error)
     knee_fails = known & (knee < at_knee - knee_error)
     holds = known & (knee > at_knee + knee_error) & xp.isfinite(ankle_error)
     falls = hip_fails | knee_fails
-    # the ends are rounded outward by more than their own rounding
-    low, high = at_ankle - 1.01 * ankle_error, at_ankle + 1.01 * ankle_error
+    low, high = at_ankle - ankle_error, at_ankle + ankle_error
     return (
+        at_ankle,
         xp.where(falls, xp.inf, xp.where(holds, low, 0.0)),
         xp.where(falls, xp.inf, xp.where(holds, high, xp.inf)),
     )

@@ -57,6 +57,8 @@ class Verdicts:
         # an ankle of one stiffness is an axis of one value, behind all others
         self.axis = group.axes.index(ANKLE) if ANKLE in group.axes else len(group.axes)
         self.length = (*group.chunk_shape, 1)[self.axis]
+        self.padded = self.length * -(-len(self.ankle) // self.length)
+        self.ankle_values = self.ankle.tolist()
         self.kind = np.uint8 if self.length < 2**8 else np.uint32
         behind = max(len(group.axes) - 1 - self.axis, 0)
         self.steps = np.arange(self.length, dtype=self.kind).reshape(-1, *(1,) * behind)
@@ -98,20 +100,23 @@ class Verdicts:
         threshold, low, high = (np.asarray(each) for each in found)
         falling = np.array(np.searchsorted(self.ankle, threshold, side="right"))
         settled = []
+        sizes = [np.unique(at[name]).size for name in self.others]
         for index in map(tuple, np.argwhere(near(self.ankle, falling, low, high))):
             varying = {
                 name: self.study.axes[name][at[name][i]]
                 for name, i in zip(self.others, index, strict=True)
             }
             exact = exact_threshold({**self.study.fixed, **varying})
-            falling[index] = falling_below(self.ankle, exact)
+            falling[index] = falling_below(self.ankle_values, exact)
             # values that are repeated beyond the end of an axis are counted once
-            sizes = [np.unique(at[name]).size for name in self.others]
             if all(i < size for i, size in zip(index, sizes, strict=True)):
-                within = (low[index] <= self.ankle) & (self.ankle <= high[index])
-                settled.append(np.flatnonzero(within))
+                first = np.searchsorted(self.ankle, low[index], side="left")
+                last = np.searchsorted(self.ankle, high[index], side="right")
+                settled.append(np.arange(first, last))
+        # what is repeated beyond the end of the ankle's axis is like its last value
+        falling[falling == len(self.ankle)] = self.padded
         counted = np.sort(np.concatenate([*settled, np.empty(0, np.int64)]))
-        small = np.int16 if len(self.ankle) < 2**15 else np.int64
+        small = np.int16 if self.padded < 2**15 else np.int64
         lowest, highest = int(falling.min()), int(falling.max())
         return Thresholds(falling.astype(small), lowest, highest, counted)
 
@@ -125,5 +130,4 @@ def _compiled(others: tuple[str, ...]) -> Callable[..., Any]:
 def _thresholds_of_one(parameters: dict[str, Any]) -> tuple[Scalar, Scalar, Scalar]:
     """Return one person's threshold, and the ends between which the exact one lies."""
     body, (_, knee, hip), gravity = person(parameters)
-    low, high = stability.threshold_interval(body, knee, hip, gravity, scaling=SCALING_ROUNDING)
-    return stability.critical_ankle_stiffness(body, knee, hip, gravity), low, high
+    return stability.threshold_interval(body, knee, hip, gravity, scaling=SCALING_ROUNDING)

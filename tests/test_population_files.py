@@ -28,14 +28,14 @@ def small(tmp_path_factory):
     """A finished population of several shards, and its bytes."""
     path = tmp_path_factory.mktemp("small") / "p.h5"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("standfast.population.study.BLOCKS_PER_SHARD", 2)
+        patch.setattr("standfast.population.study.BLOCKS_PER_SHARD", 1)
         simulate(PopulationStudy.from_dict(SMALL), path, threads=1)
     return path.read_bytes()
 
 
 @pytest.fixture
 def short_shards(monkeypatch):
-    monkeypatch.setattr("standfast.population.study.BLOCKS_PER_SHARD", 2)
+    monkeypatch.setattr("standfast.population.study.BLOCKS_PER_SHARD", 1)
 
 
 @pytest.mark.parametrize("threads", [2, 3])

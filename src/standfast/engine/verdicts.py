@@ -79,8 +79,9 @@ class Verdicts:
             one = np.uint8(found.highest <= start)
             return (np.broadcast_to(one, self.group.chunk_shape),)
         # cut off first: then the difference fits the small integers it is made of
-        falling = np.clip(found.falling, start, stop) - found.falling.dtype.type(start)
-        falling = falling.astype(self.kind)
+        small = found.falling.dtype.type
+        falling = np.minimum(np.maximum(found.falling, small(start)), small(stop))
+        falling = np.subtract(falling, small(start)).astype(self.kind)
         stable = self.memory.take()
         out = stable.view(bool)
         if self.axis == len(self.group.axes):

@@ -4,6 +4,11 @@ import copy
 import math
 from typing import Any
 
+from standfast.study import plan
+
+# Shards of the tests are small, so that seconds of work have several.
+plan.SHARD_WORK = 16
+
 GOOD: dict[str, Any] = {
     "title": "A small study",
     "gravity": 9.8,
@@ -62,7 +67,7 @@ def changed(key: str, value: Any, base: dict[str, Any] = GOOD) -> dict[str, Any]
 
 
 def several_shards() -> dict[str, Any]:
-    """A study of seconds with seven shards: verdicts and three kinds of numbers."""
+    """A study of seconds with several shards: verdicts and three kinds of numbers."""
     return {
         "title": "Several shards",
         "body": {"height": 1.75, "bmi": [20.0, 25.0, 30.0]},

@@ -14,6 +14,7 @@ import pytest
 import standfast
 import standfast.sweep
 from standfast.cli import main
+from standfast.study import plan
 
 
 def standfast_command(*arguments, cwd=None):
@@ -188,7 +189,8 @@ def test_info_as_json(place, capsys):
     assert told["quantities"]["stable"] == ["ankle_stiffness", "knee_stiffness", "hip_stiffness"]
 
 
-def test_parts_and_what_info_says_of_them(place, capsys):
+def test_parts_and_what_info_says_of_them(place, capsys, monkeypatch):
+    monkeypatch.setattr(plan, "SHARD_WORK", 1)
     assert main(["sweep", "study.toml", "--part", "1/2"]) == 0
     assert "without --part the same command finishes it" in capsys.readouterr().out
     assert main(["info", "study.h5"]) == 0

@@ -268,6 +268,18 @@ def test_a_study_that_does_not_fit_the_disk_is_refused_with_the_numbers(study, s
         sf.sweep(study, small_disk / "a.h5")
 
 
+def test_a_study_of_one_shard_is_the_same_file_with_and_without_it(tmp_path):
+    """A run writes its last shard into the file alone; a part leaves it as a shard."""
+    study = sf.Study.from_dict(GOOD)
+    assert study.shard_count == 1
+    straight, through = tmp_path / "straight.h5", tmp_path / "through.h5"
+    sf.sweep(study, straight)
+    sf.sweep(study, through, part=(1, 1))
+    assert is_valid(parts_of(through), study, VERSION, 0)
+    sf.sweep(study, through)
+    assert straight.read_bytes() == through.read_bytes()
+
+
 def test_shards_in_any_order_make_the_same_file(study, whole, tmp_path):
     count = len(study.shards)
     for number, order in enumerate(
@@ -282,10 +294,10 @@ def test_shards_in_any_order_make_the_same_file(study, whole, tmp_path):
 
 def test_an_interrupted_run_goes_on_where_it_was(study, whole, tmp_path):
     path = tmp_path / "a.h5"
-    half = study.points // 2
+    most = study.points * 3 // 4
 
     def interrupt(done, total):
-        if done > half:
+        if done > most:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

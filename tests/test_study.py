@@ -10,7 +10,7 @@ import pytest
 
 import standfast as sf
 from standfast.quantities import QUANTITIES
-from standfast.study import CHUNK_BYTES, axis_values, chunk_shape
+from standfast.study import CHUNK_BYTES, axis_values, chunk_shape, plan
 from studies import GOOD, UNEQUAL, changed, several_shards
 
 NAN, INF = math.nan, math.inf
@@ -400,3 +400,17 @@ def test_tiles_of_all_shards_cover_every_chunk_once():
         assert all(
             0 <= i < n for i, n in zip(tile.chunk, study.groups[tile.group].chunks, strict=True)
         )
+
+
+def test_shards_are_filled_across_groups_and_hold_a_tile_at_least(monkeypatch):
+    study = sf.Study.from_dict(several_shards())
+    work = [
+        sum(study.groups[tile.group].tile_work for tile in study.shard(number))
+        for number in range(study.shard_count)
+    ]
+    assert max(work) <= plan.SHARD_WORK
+    assert min(work[:-1]) > plan.SHARD_WORK - max(group.tile_work for group in study.groups)
+    assert any(len(groups) > 1 for groups in study.shards)
+    monkeypatch.setattr(plan, "SHARD_WORK", 1)  # less than one tile of numbers
+    study = sf.Study.from_dict(several_shards())
+    assert all(len(study.shard(number)) == 1 for number in range(study.shard_count))

@@ -1,4 +1,4 @@
-"""The loop: what no shard covers goes through the engine, is compressed in threads and stored."""
+"""The loop: what no shard covers is computed and compressed in threads, and stored in order."""
 
 import contextlib
 import json
@@ -8,10 +8,12 @@ import platform
 import shutil
 import time
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from importlib.metadata import version as version_of
+from itertools import groupby, islice
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,18 +25,18 @@ from standfast.study import Study, Tile
 # h5py and JAX are imported by the functions that use them: `import standfast` stays quick, and
 # `standfast.sweep` is this module's function from the start.
 if TYPE_CHECKING:
+    from standfast.engine import Evaluator
     from standfast.store import Atlas, Workplace
 
 # Called with the values done and the values of the whole run, after every tile.
 Progress = Callable[[int, int], None]
 Announce = Callable[["Forecast"], None]
-Evaluate = Callable[[Tile], tuple[np.ndarray, ...]]
 Packed = tuple[Tile, tuple[bytes, ...]]
 
-# Tiles computed ahead of those being compressed, for each thread that compresses.
-AHEAD = 2
+# Tiles under way or waiting to be written, for each thread.
+AHEAD = 3
 
-# The forecast computes one tile in so many of each group, a few at most: they are computed again.
+# The forecast computes one tile in so many of each group, a few at most.
 SAMPLED_SHARE, MOST_SAMPLED = 16, 8
 
 # What a file needs beside its chunks.
@@ -67,7 +69,8 @@ def sweep(
     study, output
         what to compute, and the file to write.
     threads
-        how many threads compress (default: as many as cores). The file does not depend on it.
+        how many threads compute and compress (default: as many as cores); the file does not depend
+        on it.
     part
         ``(i, N)`` computes the i-th of N shares of the shards, 1 ≤ i ≤ N, and finishes nothing; a
         call without ``part`` does what is left.
@@ -86,7 +89,12 @@ def sweep(
         if the disk fills up after all; what is done stays and the same call goes on.
     """
     from standfast import __version__  # noqa: PLC0415 - the package imports this module
-    from standfast.store import Workplace, assemble, open_atlas  # noqa: PLC0415 - imports h5py
+    from standfast.store import (  # noqa: PLC0415 - imports h5py
+        Workplace,
+        assemble,
+        into_shard,
+        open_atlas,
+    )
 
     output = Path(output)
     if threads is not None and threads < 1:
@@ -102,17 +110,19 @@ def sweep(
         missing = place.missing()
         if part is not None:
             missing = [number for number in missing if number % part[1] == part[0] - 1]
-        values = sum(_points(study, tile) for number in missing for tile in study.shard(number))
-        settled = 0
+        run = _Run(study, missing, threads or os.cpu_count() or 1)
         if missing:
-            workers = threads or os.cpu_count() or 1
-            settled = _compute(study, place, missing, values, workers, progress, announce)
-        if part is not None:
-            return None
-        place.finish(lambda partial: assemble(place, partial))
+            run.foresee(place, announce)
+        with contextlib.closing(run.packed(progress)) as computed:
+            if part is not None:
+                for number in missing:
+                    deque(into_shard(place, number, _next(computed, study, number)), maxlen=0)
+                return None
+            chunks = _all_chunks(place, missing, computed)
+            place.finish(lambda path: assemble(path, study, __version__, chunks))
     with contextlib.suppress(OSError):  # the atlas is whole; its story is a courtesy
         seconds = time.perf_counter() - began
-        _write_story(study, output, __version__, seconds, values, settled)
+        _write_story(study, output, __version__, seconds, run)
     return open_atlas(output)
 
 
@@ -129,100 +139,111 @@ def _already_there(study: Study, atlas: "Atlas") -> "Atlas":
     return atlas
 
 
-def _compute(
-    study: Study,
-    place: "Workplace[Study]",
-    missing: list[int],
-    total: int,
-    threads: int,
-    progress: Progress | None,
-    announce: Announce | None,
-) -> int:
-    """Compute the missing shards, ``total`` values; one is written while the next is computed.
+def _all_chunks(
+    place: "Workplace[Study]", missing: list[int], computed: Iterator[Packed]
+) -> Iterator[Packed]:
+    """Give the chunks of all shards in canonical order; what is computed is put into shards.
 
-    Returns how many verdicts exact arithmetic had to settle.
+    The last goes into the file alone, which is about to be finished.
     """
-    from standfast.engine import Evaluator  # noqa: PLC0415 - imports JAX
+    from standfast.store import into_shard, out_of_shard  # noqa: PLC0415 - imports h5py
 
-    evaluate = Evaluator(study)
-    forecast = _forecast(study, evaluate, place.folder, total)
-    known = evaluate.settled  # of the forecast's tiles, which are computed again
-    if forecast.disk_bytes > forecast.free_bytes:
-        raise InputError(
-            f"the study needs about {in_bytes(forecast.disk_bytes)} of disk until it is finished, "
-            f"and {in_bytes(forecast.free_bytes)} are free beside {place.target}; "
-            "take fewer values or another disk"
-        )
-    if announce is not None:
-        announce(forecast)
-    done = 0
-    with ThreadPoolExecutor(threads) as pool, ThreadPoolExecutor(1) as writer:
-        written: Future[None] | None = None
-        for number in missing:
-            packed = []
-            for tile, chunks in _packed(study, study.shard(number), evaluate, pool, threads):
-                packed.append((tile, chunks))
-                done += _points(study, tile)
+    for number in range(place.study.shard_count):
+        if number not in missing:
+            yield from out_of_shard(place, number)
+        elif number == missing[-1]:
+            yield from computed
+        else:
+            yield from into_shard(place, number, _next(computed, place.study, number))
+
+
+def _next(computed: Iterator[Packed], study: Study, number: int) -> Iterator[Packed]:
+    """Give the chunks of the next shard."""
+    return islice(computed, len(study.shard(number)))
+
+
+class _Run:
+    """The tiles of the shards that are missing: foreseen, computed and compressed in threads."""
+
+    def __init__(self, study: Study, missing: list[int], threads: int) -> None:
+        self.study, self.threads = study, threads
+        self.tiles = [tile for number in missing for tile in study.shard(number)]
+        self.total = sum(_points(study, tile) for tile in self.tiles)
+        self._known: dict[Tile, tuple[bytes, ...]] = {}
+        self._evaluate: Evaluator | None = None
+        self._repeated = 0  # verdicts settled in tiles that are computed again
+
+    @property
+    def settled(self) -> int:
+        """Verdicts that exact arithmetic had to settle."""
+        return 0 if self._evaluate is None else self._evaluate.settled - self._repeated
+
+    def foresee(self, place: "Workplace[Study]", announce: Announce | None) -> None:
+        """Compile everything, forecast what the run will take, and see whether it fits the disk."""
+        from standfast.engine import Evaluator  # noqa: PLC0415 - imports JAX
+
+        self._evaluate = Evaluator(self.study)
+        forecast = self._forecast(place)
+        if forecast.disk_bytes > forecast.free_bytes:
+            raise InputError(
+                f"the study needs about {in_bytes(forecast.disk_bytes)} of disk until it is "
+                f"finished, and {in_bytes(forecast.free_bytes)} are free beside {place.target}; "
+                "take fewer values or another disk"
+            )
+        if announce is not None:
+            announce(forecast)
+
+    def packed(self, progress: Progress | None) -> Generator[Packed, None, None]:
+        """Compute and compress the tiles in threads; give them in order."""
+        waiting: deque[tuple[Tile, Future[tuple[bytes, ...]]]] = deque()
+        left = iter(self.tiles)
+        done = 0
+        with ThreadPoolExecutor(self.threads) as pool:
+            while True:
+                for tile in islice(left, AHEAD * self.threads - len(waiting)):
+                    waiting.append((tile, pool.submit(self._pack, tile)))
+                if not waiting:
+                    return
+                tile, job = waiting.popleft()
+                packed = job.result()
+                done += _points(self.study, tile)
                 if progress is not None:
-                    progress(done, total)
-            if written is not None:
-                written.result()
-            written = writer.submit(_write, place, number, packed)
-        if written is not None:
-            written.result()
-    return evaluate.settled - known
+                    progress(done, self.total)
+                yield tile, packed
 
+    def _pack(self, tile: Tile) -> tuple[bytes, ...]:
+        from standfast.store.layout import compressed  # noqa: PLC0415 - imports h5py
 
-def _write(place: "Workplace[Study]", number: int, packed: list[Packed]) -> None:
-    from standfast.store.chunks import shard_image  # noqa: PLC0415 - imports h5py
+        assert self._evaluate is not None  # noqa: S101 - foresee() came first
+        if tile in self._known:
+            return self._known.pop(tile)
+        arrays = self._evaluate(tile)
+        if self.study.groups[tile.group].axes:
+            return tuple(compressed(array) for array in arrays)
+        return tuple(np.asarray(array).tobytes() for array in arrays)
 
-    place.write(number, shard_image(place.study, place.version, packed))
-
-
-def _packed(
-    study: Study,
-    tiles: Iterable[Tile],
-    evaluate: Evaluate,
-    pool: ThreadPoolExecutor,
-    threads: int,
-) -> Iterable[Packed]:
-    """Compute tiles here and compress them in the pool; give them back in order."""
-    waiting: deque[tuple[Tile, Future[tuple[bytes, ...]]]] = deque()
-    for tile in tiles:
-        waiting.append((tile, pool.submit(_pack, study, tile, evaluate(tile))))
-        if len(waiting) > AHEAD * threads:
-            oldest, job = waiting.popleft()
-            yield oldest, job.result()
-    for oldest, job in waiting:
-        yield oldest, job.result()
-
-
-def _pack(study: Study, tile: Tile, arrays: tuple[np.ndarray, ...]) -> tuple[bytes, ...]:
-    from standfast.store.layout import compressed  # noqa: PLC0415 - imports h5py
-
-    if study.groups[tile.group].axes:
-        return tuple(compressed(array) for array in arrays)
-    return tuple(np.asarray(array).tobytes() for array in arrays)
-
-
-def _forecast(study: Study, evaluate: Evaluate, folder: Path, total: int) -> Forecast:
-    """Compute some tiles of each group, evenly spread, and take them for the rest."""
-    seconds = size = 0.0
-    for index, group in enumerate(study.groups):
-        count = group.tile_count
-        wanted = min(MOST_SAMPLED, 1 + count // SAMPLED_SHARE)
-        sample = [(2 * i + 1) * count // (2 * wanted) for i in range(wanted)]
-        evaluate(study.tile(index, 0))  # compiles
-        for number in sample:
-            tile = study.tile(index, number)
-            began = time.perf_counter()
-            size += sum(map(len, _pack(study, tile, evaluate(tile)))) * count / len(sample)
-            seconds += (time.perf_counter() - began) * count / len(sample)
-    share = total / study.points
-    # shards and the finished file are on the disk together for a moment
-    stored = size + LAYOUT_BYTES
-    shards = size * share + LAYOUT_BYTES * study.shard_count
-    return Forecast(total, int(stored + shards), seconds * share, shutil.disk_usage(folder).free)
+    def _forecast(self, place: "Workplace[Study]") -> Forecast:
+        """Compute some tiles of each group, evenly spread, and take them for the rest."""
+        groups = [list(tiles) for _, tiles in groupby(self.tiles, attrgetter("group"))]
+        for tiles in groups:
+            self._pack(tiles[0])  # compiles
+        self._repeated = self.settled
+        seconds = size = 0.0
+        with ThreadPoolExecutor(self.threads) as pool:
+            for tiles in groups:
+                count = len(tiles)
+                wanted = min(MOST_SAMPLED, 1 + count // SAMPLED_SHARE)
+                sample = [tiles[(2 * i + 1) * count // (2 * wanted)] for i in range(wanted)]
+                began = time.perf_counter()
+                packed = dict(zip(sample, pool.map(self._pack, sample), strict=True))
+                seconds += (time.perf_counter() - began) * count / wanted
+                size += sum(len(c) for chunks in packed.values() for c in chunks) * count / wanted
+                self._known |= packed
+        whole = size + place.stored_bytes + LAYOUT_BYTES
+        # all shards but the last computed are on the disk together with the file for a moment
+        shards = size + LAYOUT_BYTES * len(groups) if self.study.shard_count > 1 else 0
+        free = shutil.disk_usage(place.folder).free
+        return Forecast(self.total, int(whole + shards), seconds, free)
 
 
 def _points(study: Study, tile: Tile) -> int:
@@ -237,18 +258,16 @@ def _points(study: Study, tile: Tile) -> int:
     return math.prod(inside) * len(group.quantities)
 
 
-def _write_story(
-    study: Study, output: Path, version: str, seconds: float, values: int, settled: int
-) -> None:
+def _write_story(study: Study, output: Path, version: str, seconds: float, run: "_Run") -> None:
     """Tell the run's story beside the file: what may differ from run to run."""
     story = {
         "study": study.title,
         "study_sha256": study.fingerprint,
         "values": study.points,
         "seconds": round(seconds, 3),
-        "values_computed_in_this_run": values,
-        "values_per_second": round(values / seconds),
-        "verdicts_settled_by_exact_arithmetic": settled,
+        "values_computed_in_this_run": run.total,
+        "values_per_second": round(run.total / seconds),
+        "verdicts_settled_by_exact_arithmetic": run.settled,
         "shards": study.shard_count,
         "bytes_before_compression": study.raw_bytes,
         "bytes": output.stat().st_size,

@@ -23,7 +23,7 @@ from standfast.body import REFERENCE_PEOPLE, Body, rescaled
 from standfast.quantities import PARAMETERS, InputError
 from standfast.stability import critical_ankle_stiffness, critical_hip_stiffness
 from standfast.store import Atlas
-from standfast.store.layout import LIBRARY_VERSION
+from standfast.store.layout import LIBRARIES
 from standfast.study import Study
 
 ANKLE, KNEE, HIP = "ankle_stiffness", "knee_stiffness", "hip_stiffness"
@@ -214,7 +214,7 @@ def write_tables(study: Study, found: Iterable[Contour], stem: Path) -> list[Pat
         _whole(table) as table_partial,
         _whole(store) as store_partial,
         table_partial.open("w", encoding="utf-8", newline="") as text,
-        h5py.File(store_partial, "w", libver=(LIBRARY_VERSION, "latest")) as file,
+        h5py.File(store_partial, "w", libver=LIBRARIES) as file,
     ):
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow([*(_column(name) for name in (*others, *COLUMNS)), "source"])

@@ -1,6 +1,7 @@
 """Verdicts: the ankle's threshold on every other axis, then one comparison a point, all certain."""
 
 import math
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
@@ -52,6 +53,7 @@ class Verdicts:
     def __init__(self, study: Study, group: Group, inputs: Inputs) -> None:
         self.study, self.group, self.inputs = study, group, inputs
         self.settled = 0
+        self._lock = threading.Lock()
         self.others = tuple(name for name in group.axes if name != ANKLE)
         self.ankle = study.axes.get(ANKLE, np.array([study.fixed.get(ANKLE, math.nan)]))
         # an ankle of one stiffness is an axis of one value, behind all others
@@ -74,7 +76,8 @@ class Verdicts:
         found = self.thresholds(tile.chunk[: self.axis] + tile.chunk[self.axis + 1 :])
         start = self.length * (*tile.chunk, 0)[self.axis]
         stop = start + self.length
-        self.settled += found.settled_within(start, stop)
+        with self._lock:
+            self.settled += found.settled_within(start, stop)
         if found.lowest >= stop or found.highest <= start:
             one = np.uint8(found.highest <= start)
             return (np.broadcast_to(one, self.group.chunk_shape),)

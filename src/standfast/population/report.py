@@ -21,7 +21,7 @@ from standfast.population.tally import JOINTS, Tally, bmi_edges, height_edges
 from standfast.quantities import PARAMETERS, QUANTITIES, STIFFNESS_UNIT, InputError
 from standfast.store import Workplace
 from standfast.store.atlas import opened
-from standfast.store.layout import LIBRARY_VERSION, said, say
+from standfast.store.layout import LIBRARIES, said, say
 from standfast.store.shards import shard_content
 
 FORMAT = "standfast population"
@@ -93,7 +93,7 @@ def write_population(
     study = place.study
     tallies = _replicates(place, crowd)
     answers = Answers(study, crowd, tallies, drivers)
-    with h5py.File(partial, "w", libver=(LIBRARY_VERSION, "latest")) as file:
+    with h5py.File(partial, "w", libver=LIBRARIES) as file:
         say(file, "Conventions", "CF-1.11")
         say(file, "title", study.title)
         say(file, "format", FORMAT)

@@ -1,38 +1,42 @@
-"""Compressed chunks in and out of atlas files, and the image of a shard that holds some of them."""
+"""Compressed chunks into atlases and shards, as they come, and out of them again."""
 
 from collections.abc import Iterable, Iterator
-from typing import Any
+from pathlib import Path
 
 import h5py
 import numpy as np
 
-from standfast.store.layout import LIBRARY_VERSION, write_layout
+from standfast.store.layout import LIBRARIES, write_layout
+from standfast.store.shards import HEADER_BYTES, shard_path
+from standfast.store.workplace import Workplace
 from standfast.study import Study, Tile
 
 Packed = tuple[Tile, tuple[bytes, ...]]
 
 
-def shard_image(study: Study, version: str, packed: Iterable[Packed]) -> bytes:
-    """Return an atlas with holes, made in memory: the disk sees one plain write, or none."""
-    settings: dict[str, Any] = {"driver": "core", "backing_store": False, "block_size": 1 << 22}
-    with h5py.File("shard", "w", libver=(LIBRARY_VERSION, "latest"), **settings) as file:
+def into_atlas(
+    path: Path, study: Study, version: str, packed: Iterable[Packed]
+) -> Iterator[Packed]:
+    """Make an atlas of compressed chunks; hand each on once it is written."""
+    with h5py.File(path, "w", libver=LIBRARIES) as file:
         write_layout(file, study, version)
-        write_chunks(file, study, packed)
-        file.flush()
-        image: bytes = file.id.get_file_image()
-    return image
+        yield from _written(file, study, packed)
 
 
-def write_chunks(file: h5py.File, study: Study, packed: Iterable[Packed]) -> None:
-    """Put compressed chunks into an atlas or a shard."""
-    datasets = _datasets(file, study)
-    for tile, chunks in packed:
-        group = study.groups[tile.group]
-        for dataset, raw in zip(datasets[tile.group], chunks, strict=True):
-            if group.axes:
-                dataset.id.write_direct_chunk(group.start(tile), raw)
-            else:
-                dataset[()] = np.frombuffer(raw, dataset.dtype)[0]
+def into_shard(place: Workplace[Study], number: int, packed: Iterable[Packed]) -> Iterator[Packed]:
+    """Make a shard of compressed chunks, an atlas with holes; hand each on once it is written."""
+    with (
+        place.shard(number) as path,
+        h5py.File(path, "w", libver=LIBRARIES, userblock_size=HEADER_BYTES) as file,
+    ):
+        write_layout(file, place.study, place.version)
+        yield from _written(file, place.study, packed)
+
+
+def out_of_shard(place: Workplace[Study], number: int) -> Iterator[Packed]:
+    """Give the compressed chunks of a shard."""
+    with h5py.File(shard_path(place.folder, number), "r") as file:
+        yield from read_chunks(file, place.study, place.study.shard(number))
 
 
 def read_chunks(file: h5py.File, study: Study, tiles: Iterable[Tile]) -> Iterator[Packed]:
@@ -45,6 +49,18 @@ def read_chunks(file: h5py.File, study: Study, tiles: Iterable[Tile]) -> Iterato
             yield tile, tuple(d.id.read_direct_chunk(start)[1] for d in datasets[tile.group])
         else:
             yield tile, tuple(np.asarray(d[()]).tobytes() for d in datasets[tile.group])
+
+
+def _written(file: h5py.File, study: Study, packed: Iterable[Packed]) -> Iterator[Packed]:
+    datasets = _datasets(file, study)
+    for tile, chunks in packed:
+        group = study.groups[tile.group]
+        for dataset, raw in zip(datasets[tile.group], chunks, strict=True):
+            if group.axes:
+                dataset.id.write_direct_chunk(group.start(tile), raw)
+            else:
+                dataset[()] = np.frombuffer(raw, dataset.dtype)[0]
+        yield tile, chunks
 
 
 def _datasets(file: h5py.File, study: Study) -> list[list[h5py.Dataset]]:

@@ -21,7 +21,7 @@ FORMAT = "standfast atlas"
 FORMAT_VERSION = 1
 
 # The oldest layout whose metadata carry checksums; HDF5 1.8 (2008) and all since read it.
-LIBRARY_VERSION = "v108"
+LIBRARIES = ("v108", "latest")
 
 # Level 1 of isal is the fastest that still shrinks; its stream is plain deflate.
 DEFLATE_LEVEL = 1

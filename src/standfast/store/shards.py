@@ -1,6 +1,6 @@
 """Shards: files with a part of a result, each whole or not there.
 
-Behind 512 bytes that say in JSON which study and which shard it is, with the SHA-256 of all that
+Behind 512 bytes that say in JSON which study and which shard it is, with a checksum of all that
 follows, lies the content: of a sweep an atlas with holes, which HDF5 opens past this user block; of
 a population its counts. A shard is written under a temporary name, synced and renamed. So a torn,
 emptied, altered or foreign one is known before anything in it is believed.
@@ -10,8 +10,11 @@ import contextlib
 import hashlib
 import json
 import os
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Protocol, Self
+from typing import BinaryIO, Protocol, Self
+
+from isal import isal_zlib
 
 HEADER_BYTES = 512
 
@@ -44,21 +47,27 @@ def shard_path(folder: Path, number: int) -> Path:
     return folder / f"shard-{number:06d}.h5"
 
 
-def write_shard(folder: Path, work: Work, version: str, number: int, content: bytes) -> None:
-    """Write a shard whole: temporary name, sync, rename, sync of the folder.
+@contextlib.contextmanager
+def shard_in_making(folder: Path, work: Work, version: str, number: int) -> Iterator[Path]:
+    """Give the temporary file of a shard, to be written from byte :data:`HEADER_BYTES` on.
+
+    Once the block ends it gets its header, is synced and renamed; nothing is left of it if the
+    block fails.
 
     Raises
     ------
     OSError
-        if the disk does not take it; nothing is left behind.
+        if the disk does not take it.
     """
-    header = _header(work, version, number, hashlib.sha256(content).hexdigest())
     path = shard_path(folder, number)
     partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
     try:
-        with partial.open("wb") as file:
+        yield partial
+        with partial.open("r+b") as file:
+            file.seek(HEADER_BYTES)
+            header = _header(work, version, number, _checksum(file))
+            file.seek(0)
             file.write(header)
-            file.write(content)
             file.flush()
             os.fsync(file.fileno())
         partial.replace(path)
@@ -74,12 +83,9 @@ def is_valid(folder: Path, work: Work, version: str, number: int) -> bool:
     try:
         with shard_path(folder, number).open("rb") as file:
             header = file.read(HEADER_BYTES)
-            digest = hashlib.sha256()
-            while block := file.read(1 << 20):
-                digest.update(block)
+            return header == _header(work, version, number, _checksum(file))
     except OSError:
         return False
-    return header == _header(work, version, number, digest.hexdigest())
 
 
 def shard_content(folder: Path, number: int) -> bytes:
@@ -96,12 +102,23 @@ def sync_folder(folder: Path) -> None:
         os.close(descriptor)
 
 
-def _header(work: Work, version: str, number: int, digest: str) -> bytes:
+def _checksum(file: BinaryIO) -> str:
+    """Return the SHA-256 of the CRC-32 of every mebibyte that is left of a file.
+
+    What it guards against is accident; the SHA-256 of all of it would take as long as the writing.
+    """
+    digest = hashlib.sha256()
+    while block := file.read(1 << 20):
+        digest.update(isal_zlib.crc32(block).to_bytes(4, "big"))
+    return digest.hexdigest()
+
+
+def _header(work: Work, version: str, number: int, checksum: str) -> bytes:
     content = {
         "standfast_shard": number,
         "of": work.shard_count,
         "study": work.fingerprint,
         "version": version,
-        "sha256": digest,
+        "checksum": checksum,
     }
     return json.dumps(content).encode().ljust(HEADER_BYTES)

@@ -16,7 +16,14 @@ from pathlib import Path
 from typing import Generic, TypeVar
 
 from standfast.quantities import InputError
-from standfast.store.shards import Work, is_valid, shard_path, sync_folder, write_shard
+from standfast.store.shards import (
+    HEADER_BYTES,
+    Work,
+    is_valid,
+    shard_in_making,
+    shard_path,
+    sync_folder,
+)
 
 W = TypeVar("W", bound=Work)
 
@@ -105,9 +112,23 @@ class Workplace(Generic[W]):
             if not is_valid(self.folder, self.study, self.version, number)
         ]
 
+    @property
+    def stored_bytes(self) -> int:
+        """Size of all shards that are there."""
+        return sum(path.stat().st_size for path in self.folder.glob("shard-*.h5"))
+
+    @contextlib.contextmanager
+    def shard(self, number: int) -> Iterator[Path]:
+        """Give the temporary file of a shard, which becomes the shard once the block ends."""
+        making = shard_in_making(self.folder, self.study, self.version, number)
+        with making as partial, _failures_of_hdf5(partial):
+            yield partial
+
     def write(self, number: int, content: bytes) -> None:
-        """Write one shard."""
-        write_shard(self.folder, self.study, self.version, number, content)
+        """Write one shard whose content is at hand."""
+        with self.shard(number) as partial, partial.open("wb") as file:
+            file.seek(HEADER_BYTES)
+            file.write(content)
 
     def finish(self, assemble: Callable[[Path], None]) -> None:
         """Let ``assemble`` write the file under a temporary name; sync, rename, tidy up.
@@ -118,15 +139,12 @@ class Workplace(Generic[W]):
             if the disk does not take it; the shards stay.
         """
         partial = self.folder / ".whole.partial"
-        shards = (shard_path(self.folder, number) for number in range(self.study.shard_count))
-        _require_room(self.folder, sum(path.stat().st_size for path in shards))
+        _require_room(self.folder, self.stored_bytes)
         try:
-            assemble(partial)
+            with _failures_of_hdf5(partial):
+                assemble(partial)
             _sync_file(partial)
             partial.replace(self.target)
-        except RuntimeError as error:  # some of HDF5's failures to write
-            reason = str(error).splitlines()[0]
-            raise OSError(errno.EIO, f"HDF5 could not finish ({reason})", str(partial)) from None
         finally:
             partial.unlink(missing_ok=True)
         sync_folder(self.target.parent)
@@ -222,6 +240,18 @@ def _alive(holder: str) -> str:
     except OSError:
         return ""
     return f" (process {holder.strip()})"
+
+
+@contextlib.contextmanager
+def _failures_of_hdf5(path: Path) -> Iterator[None]:
+    """Turn those of HDF5's failures that h5py gives as RuntimeError into OSError."""
+    try:
+        yield
+    except RuntimeError as error:
+        if type(error) is not RuntimeError:  # another library's, as XLA's are
+            raise
+        reason = str(error).splitlines()[0]
+        raise OSError(errno.EIO, f"HDF5 could not write ({reason})", str(path)) from None
 
 
 def _require_room(folder: Path, size: int) -> None:

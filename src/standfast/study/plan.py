@@ -35,10 +35,11 @@ from standfast.study.values import (
 )
 
 # A chunk is the unit of compression and of reading: 2 MiB before compression. A shard, the unit of
-# writing and of resuming, is a run of chunks of one group: about a second of work, for which a
-# verdict counts far less than a number.
+# resuming and of sharing among machines, is a run of chunks: a gigabyte of verdicts, half of
+# numbers, some seconds of work. Each costs a sync, and all but the last are written twice.
 CHUNK_BYTES = 2 * 2**20
-TILES_PER_SHARD = {1: 128, 8: 16}  # by bytes of a value
+SHARD_WORK = 512
+CHUNK_WORK = {1: 1, 8: 2}  # by bytes of a value
 LARGEST_GRID = 10**13  # three hours at a billion verdicts a second
 
 # The parameters on which each quantity depends, besides those of the body.
@@ -80,10 +81,10 @@ class Group:
         return math.prod(self.chunks)
 
     @property
-    def tiles_per_shard(self) -> int:
-        """Number of tiles that are written together."""
+    def tile_work(self) -> int:
+        """What a tile counts in a shard."""
         size = np.dtype(QUANTITIES[self.quantities[0]].dtype).itemsize
-        return max(1, TILES_PER_SHARD[size] // len(self.quantities))
+        return CHUNK_WORK[size] * len(self.quantities)
 
     @property
     def points(self) -> int:
@@ -257,13 +258,24 @@ class Study:
         )
 
     @cached_property
-    def shards(self) -> tuple[tuple[int, range], ...]:
-        """The group of each shard, and the numbers of its tiles within that group."""
-        return tuple(
-            (index, range(first, min(first + group.tiles_per_shard, group.tile_count)))
-            for index, group in enumerate(self.groups)
-            for first in range(0, group.tile_count, group.tiles_per_shard)
-        )
+    def shards(self) -> tuple[tuple[tuple[int, range], ...], ...]:
+        """Of each shard the groups in it, and the numbers of its tiles within each group."""
+        shards: list[list[tuple[int, range]]] = [[]]
+        room = SHARD_WORK
+        for index, group in enumerate(self.groups):
+            first = 0
+            while first < group.tile_count:
+                least = 0 if shards[-1] else 1  # a tile larger than a shard is one
+                fitting = max(room // group.tile_work, least)
+                if fitting:
+                    count = min(fitting, group.tile_count - first)
+                    shards[-1].append((index, range(first, first + count)))
+                    first += count
+                    room -= count * group.tile_work
+                else:
+                    shards.append([])
+                    room = SHARD_WORK
+        return tuple(map(tuple, shards))
 
     @property
     def shard_count(self) -> int:
@@ -272,8 +284,7 @@ class Study:
 
     def shard(self, number: int) -> list[Tile]:
         """Return the tiles of a shard, in canonical order: the last axis fastest."""
-        index, tiles = self.shards[number]
-        return [self.tile(index, flat) for flat in tiles]
+        return [self.tile(index, flat) for index, tiles in self.shards[number] for flat in tiles]
 
     def tile(self, group: int, number: int) -> Tile:
         """Return a tile by its number within its group."""

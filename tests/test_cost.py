@@ -6,6 +6,8 @@ of ours should have a reason. LAPACK, a loop or a scatter in a kernel would be h
 slower and is found by its name.
 """
 
+from functools import partial
+
 import jax
 import numpy as np
 import pytest
@@ -13,14 +15,15 @@ import pytest
 import standfast as sf
 from populations import GOOD, of
 from standfast.body import Body, Stiffness
-from standfast.engine.mapping import compiled
+from standfast.engine.mapping import Inputs, compiled, over_axes
+from standfast.engine.values import _two_eigenvalues
 from standfast.modes import modes, quick_eigenvalues
 from standfast.population.crowd import crowd_of
 from standfast.population.tally import cell, places
 from standfast.stability import safety_factor, threshold_interval
 
 POINTS = 4096
-SLOW = ("custom-call", "while(", "scatter(", "gather(", "sort(", "f32[")
+SLOW = ("custom-call", "while(", "scatter(", "gather(", "sort(")
 
 
 def program(function, *arguments):
@@ -38,19 +41,26 @@ def stiffnesses():
 
 BODY = Body.edwards2007()
 
+
+def lowest_unless_in_doubt(body, stiffness, gravity):
+    low, _, _, doubt = quick_eigenvalues(body, stiffness, gravity)
+    return jax.numpy.where(doubt, jax.numpy.nan, low)
+
+
 # Function of a point, and bounds on operations and bytes, with the reason.
 KERNELS = {
-    # counted: 321 and 313. Coefficients, three steps of Laguerre, a quadratic, an error estimate
+    # counted: 344 and 112. Coefficients, a determinant in pairs, a start in single precision, a
+    # step of Halley, a quadratic, an error estimate: in one loop, with one array as its result
     "quick eigenvalues": (
-        lambda a, k, h: quick_eigenvalues(BODY, Stiffness._make((a, k, h)), 9.8),
-        355.0,
-        345.0,
+        lambda a, k, h: lowest_unless_in_doubt(BODY, Stiffness._make((a, k, h)), 9.8),
+        380.0,
+        124.0,
     ),
-    # 144 and 32: four steps of Laguerre and a verdict, in one fused loop
+    # 203 and 216: three divisions, a start in single precision, two steps of Halley, a verdict
     "safety factor": (
         lambda a, k, h: safety_factor(BODY, Stiffness._make((a, k, h)), 9.8),
-        160.0,
-        36.0,
+        224.0,
+        238.0,
     ),
     # 121 and 256: the certain ends of a threshold: the recursion and its running error
     "threshold": (lambda a, k, h: threshold_interval(BODY, k, h, 9.8), 140.0, 300.0),
@@ -73,7 +83,7 @@ def test_a_kernel_does_no_more_than_it_did(name):
 
 
 @pytest.mark.parametrize(
-    ("function", "operations", "accessed"), [(cell, 80.0, 119.0), (places, 780.0, 1083.0)]
+    ("function", "operations", "accessed"), [(cell, 80.0, 119.0), (places, 980.0, 1385.0)]
 )
 def test_a_person_costs_no_more_than_they_did(function, operations, accessed):
     """Drawing the numbers of a person costs about 50 ns; judging them must stay below."""
@@ -87,6 +97,26 @@ def test_a_person_costs_no_more_than_they_did(function, operations, accessed):
     assert flops <= operations
     assert size <= accessed
     assert not [word for word in SLOW if word in text]
+
+
+def test_eigenvalues_on_a_grid_are_one_loop():
+    """XLA cuts at a division whose result is used twice; then each part computes all anew."""
+    study = sf.Study.from_dict(
+        {
+            "body": {"height": 1.7, "mass": 70.0},
+            "stiffness": {
+                joint: list(np.arange(100.0, 116.0)) for joint in ("ankle", "knee", "hip")
+            },
+            "output": {"quantities": ["frequency"]},
+        }
+    )
+    inputs = Inputs(study)
+    at = {name: np.arange(16) for name in study.axes}
+    with jax.enable_x64(True):
+        mapped = over_axes(partial(_two_eigenvalues, ()), tuple(study.axes))
+        text = mapped.lower(inputs.fixed, inputs.pieces(at), {}).compile().as_text()
+    assert text[text.index("ENTRY") :].count("c128[16,16,16]{2,1,0} fusion(") == 1
+    assert text[text.index("ENTRY") :].count("[16,16,16]{2,1,0} fusion(") == 1
 
 
 def test_lapack_would_be_noticed():

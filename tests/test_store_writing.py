@@ -342,7 +342,7 @@ def test_a_finish_that_fails_leaves_the_shards_and_no_partial(study, whole, begu
         raise OSError(errno.EIO, "the disk said no")
 
     with monkeypatch.context() as patch:
-        patch.setattr(workplace, "_sync_file", fail)
+        patch.setattr(workplace, "sync_file", fail)
         with pytest.raises(OSError, match="the disk said no"):
             sf.sweep(study, begun)
     assert not begun.exists()

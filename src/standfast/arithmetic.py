@@ -88,10 +88,43 @@ def add(x: Pair, y: Pair) -> Pair:
     return _normalised(total, rest + (x[1] + y[1]))
 
 
+def minus(x: Pair) -> Pair:
+    """Return the negative of a pair."""
+    return -x[0], -x[1]
+
+
 def multiply(x: Pair, y: Pair) -> Pair:
     """Return the product of two pairs."""
     head, tail = product(x[0], y[0])
     return _normalised(head, tail + (x[0] * y[1] + x[1] * y[0]))
+
+
+def product_less(x: Pair, y: Pair, z: Pair) -> Scalar:
+    """Return x y − z, right to the last digits also where the two nearly cancel."""
+    x_high, x_low = _split(x[0])
+    y_high, y_low = _split(y[0])
+    tail = (x_high * y_low + x_low * y_high) + (x_low * y_low + (x[0] * y[1] + x[1] * y[0]))
+    # the head is exact, and so is its difference from z where the digits would otherwise be lost
+    return (x_high * y_high - z[0]) + (tail - z[1])
+
+
+# Starts the reciprocal within an eighth: subtracted from the bits of a float64, it negates the
+# exponent and nearly inverts the fraction.
+_RECIPROCAL_BITS = np.int64(0x7FDE6238502484BA)
+
+
+def reciprocal(a: Scalar) -> Scalar:
+    """Return 1/a to the last digit but one, for normal numbers; else any number.
+
+    Three steps, each of which cubes the error. XLA keeps the values of every division in memory
+    before it goes on; of multiplications it makes one loop.
+    """
+    xp = namespace(a)
+    inverse = (_RECIPROCAL_BITS - xp.asarray(a).view(xp.int64)).view(xp.float64)
+    for _ in range(3):
+        error = 1.0 - a * inverse
+        inverse = inverse + inverse * (error + error * error)
+    return inverse
 
 
 def _split(a: Scalar) -> Pair:

@@ -21,6 +21,7 @@ from standfast.arithmetic import (
     Scalar,
     Vector,
     add,
+    minus,
     multiply,
     namespace,
     product,
@@ -243,14 +244,13 @@ def second_variation(body: Body, stiffness: Stiffness, gravity: Scalar, rotation
         flexible = xp.where(xp.isinf(k), 0.0, k)
         total = add(total, multiply(product(turn, turn), (flexible, 0.0)))
     angle: Pair = (xp.asarray(0.0), xp.asarray(0.0))
-    for load, turn in zip(_gravity_load_pairs(body, gravity), rotation, strict=True):
+    for load, turn in zip(gravity_load_pairs(body, gravity), rotation, strict=True):
         angle = add(angle, (turn, 0.0))
-        high, low = multiply(load, multiply(angle, angle))
-        total = add(total, (-high, -low))
+        total = add(total, minus(multiply(load, multiply(angle, angle))))
     return total[0] + total[1]
 
 
-def _gravity_load_pairs(body: Body, gravity: Scalar) -> tuple[Pair, Pair, Pair]:
+def gravity_load_pairs(body: Body, gravity: Scalar) -> tuple[Pair, Pair, Pair]:
     """Return :func:`gravity_loads` in pairs."""
     ms, mt, mb = body.segment_mass
     hs, ht = body.segment_length

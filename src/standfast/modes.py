@@ -15,11 +15,20 @@ from typing import NamedTuple
 import numpy as np
 
 from standfast import eigen
-from standfast.arithmetic import Array, Scalar, Vector, applied, dot, namespace
+from standfast.arithmetic import (
+    Array,
+    Scalar,
+    Vector,
+    applied,
+    dot,
+    namespace,
+    reciprocal,
+)
 from standfast.body import Body, Stiffness, checked_person
+from standfast.cubic import largest_root
 from standfast.dynamics import joint_gravity, joint_inertia, kinetic_energy, second_variation
 from standfast.quantities import STANDARD_GRAVITY
-from standfast.stability import ROUNDOFF, signed_by, verdict
+from standfast.stability import ROUNDOFF, determinant_in_pairs, signed_by, verdict
 
 
 class Modes(NamedTuple):
@@ -77,13 +86,16 @@ def modes(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY) 
 
 UPRIGHT = (0.0, 0.0, 0.0)
 
-# What the estimate of :func:`quick_eigenvalues` allows relative to the eigenvalue, and how many
-# roundings of the largest term it expects in each coefficient. The inverse of A, whose rounding the
-# estimate leaves out, costs up to 2e-13 with the proportions of the body models. Of 10⁷ random
-# persons no eigenvalue that was not in doubt was off by more than 3e-13.
+# What the estimate of :func:`quick_eigenvalues` allows relative to the eigenvalue; how many
+# roundings of the largest term it expects in trace and minors, how many of the determinant itself,
+# what pairs leave of the determinant's largest term; and how far the iteration may be from its end.
+# The inverse of A, whose rounding the estimate leaves out, costs up to 2e-13 with the proportions
+# of the body models.
 DOUBT = 5e-13
-ROUNDINGS = 24.0 * ROUNDOFF
-LAGUERRE_STEPS = 3
+ENDED = 32.0 * ROUNDOFF
+ROUNDINGS = 24.0 * ROUNDOFF + ENDED
+DETERMINANT_ROUNDINGS = 16.0 * ROUNDOFF + ENDED
+PAIR_ROUNDING = 2.0**-72
 
 
 @np.errstate(all="ignore")
@@ -93,51 +105,74 @@ def quick_eigenvalues(
     """Return the eigenvalues of C v = λ A v, ascending, and whether they are in doubt.
 
     The roots of λ³ − e1 λ² + e2 λ − e3 with e1 = tr A⁻¹C, e2 = tr adj(C) A / det A, e3 = det C /
-    det A: the largest by Laguerre's steps from the bound (e1 + 2 √(e1² − 3 e2))/3, the others from
-    the quadratic that is left. An error δp of the polynomial moves a root by δp/p'(λ); in doubt is
-    what this may move by more than :data:`DOUBT`, that is eigenvalues near 0 or near each other,
-    and persons with a rigid joint. Ten times faster than :func:`modes`, which is for these.
+    det A: the largest first, the others from the quadratic that is left. det C, on which the
+    eigenvalue nearest 0 hangs, is summed in pairs. All three are straight lines in the hip's
+    stiffness, whose coefficients a grid needs on the other axes alone.
+
+    An error δp of the polynomial moves a root by δp/p'(λ); in doubt is what this may move by more
+    than :data:`DOUBT`, that is eigenvalues near each other, and persons with a rigid joint. Many
+    times faster than :func:`modes`, which is for these.
     """
     xp = namespace(*body, *stiffness, gravity)
     (g1, g2, g3), _, _ = joint_gravity(body, gravity)
     (a11, a12, a13), (_, a22, a23), (_, _, a33) = joint_inertia(body)
-    n11, n22, n33 = a22 * a33 - a23**2, a11 * a33 - a13**2, a11 * a22 - a12**2
-    n12, n13, n23 = a13 * a23 - a12 * a33, a12 * a23 - a13 * a22, a12 * a13 - a11 * a23
-    per_volume = 1.0 / (a11 * n11 + a12 * n12 + a13 * n13)
+    (n11, n22, n33), _, per_volume = _adjugate_of_inertia(body)
     ankle, knee, hip = stiffness
     c11, c22, c33 = ankle - g1, knee - g2, hip - g3
-    # the off-diagonal part of C is −g2, −g3, −g3
-    d11, d22, d33 = c22 * c33 - g3**2, c11 * c33 - g3**2, c11 * c22 - g2**2
-    d12, d13, d23 = g3**2 + g2 * c33, g3 * (g2 + c22), g3 * (g2 + c11)
-    e1 = (n11 * c11 + n22 * c22 + n33 * c33 - 2.0 * (n12 * g2 + (n13 + n23) * g3)) * per_volume
-    e2 = d11 * a11 + d22 * a22 + d33 * a33 + 2.0 * (d12 * a12 + d13 * a13 + d23 * a23)
-    e2 = e2 * per_volume
-    e3 = (c11 * d11 - g2 * d12 - g3 * d13) * per_volume
+    slope2 = a11 * c22 + a22 * c11 + 2.0 * a12 * g2
+    rest2 = a33 * (c11 * c22 - g2**2) - (a11 + a22 - 2.0 * a12) * g3**2
+    rest2 = rest2 + 2.0 * g3 * (a13 * (g2 + c22) + a23 * (g2 + c11))
+    e1 = sum_of_eigenvalues(body, stiffness, gravity)
+    e2 = (slope2 * per_volume) * c33 + rest2 * per_volume
+    e3 = determinant_in_pairs(body, stiffness, gravity) * per_volume
 
-    high = (e1 + 2.0 * xp.sqrt(xp.maximum(e1**2 - 3.0 * e2, 0.0))) / 3.0
-    for _ in range(LAGUERRE_STEPS):
-        value = ((high - e1) * high + e2) * high - e3
-        slope = (3.0 * high - 2.0 * e1) * high + e2
-        spread = xp.sqrt(xp.maximum(4.0 * slope**2 - 6.0 * value * (6.0 * high - 2.0 * e1), 0.0))
-        high = high - 3.0 * value / (slope + spread)
-    product = e3 / high
-    total = (e2 - product) / high
-    root = xp.sqrt(xp.maximum(total**2 - 4.0 * product, 0.0))
-    outer = 0.5 * (total + xp.copysign(root, total))
-    inner = product / outer
+    high = largest_root(e1, e2, e3, steps=1)
+    # the quadratic that is left, times the square of the largest root
+    half = e2 * high - e3
+    root = xp.sqrt(xp.maximum(half**2 - 4.0 * e3 * high**3, 0.0))
+    both = half + xp.copysign(root, half)
+    inverse = reciprocal(high**2 * both)
+    outer = 0.5 * both**2 * inverse
+    inner = 2.0 * e3 * high**3 * inverse
     low, middle = xp.minimum(outer, inner), xp.maximum(outer, inner)
 
     # K − G is known to a few roundings of G and one of itself
     s1, s2, s3 = abs(c11) + g1, abs(c22) + g2, abs(c33) + g3
-    size1 = (n11 * s1 + n22 * s2 + n33 * s3) * per_volume
-    size2 = (a11 * s2 * s3 + a22 * s1 * s3 + a33 * s1 * s2) * per_volume
-    size3 = s1 * s2 * s3 * per_volume
-    certain = xp.isfinite(size3)
-    for one, other, third in ((low, middle, high), (middle, low, high), (high, low, middle)):
-        error = ROUNDINGS * ((size1 * abs(one) + size2) * abs(one) + size3)
-        left = abs(((one - e1) * one + e2) * one - e3)  # of an iteration that has not ended
-        certain = certain & (error + 3.0 * left < DOUBT * abs(one * (one - other) * (one - third)))
+    scale = ROUNDINGS / DOUBT * per_volume
+    size1 = (scale * n33) * s3 + scale * (n11 * s1 + n22 * s2)
+    size2 = (scale * (a11 * s2 + a22 * s1)) * s3 + scale * (a33 * s1 * s2)
+    size3 = (PAIR_ROUNDING / DOUBT * per_volume * s1 * s2) * s3
+    size3 = size3 + DETERMINANT_ROUNDINGS / DOUBT * abs(e3)
+
+    def moves_by(of: Scalar) -> Scalar:
+        return (size1 * abs(of) + size2) * abs(of) + size3
+
+    apart, above, across = middle - low, high - middle, high - low
+    left = abs(((high - e1) * high + e2) * high - e3)
+    certain = (
+        (moves_by(low) < abs(low) * apart * across)
+        & (moves_by(middle) < abs(middle) * apart * above)
+        & (moves_by(high) < abs(high) * above * across)
+        & (left < ENDED * abs(high) * above * across)
+    )
     return low, middle, high, ~certain
+
+
+def sum_of_eigenvalues(body: Body, stiffness: Stiffness, gravity: Scalar) -> Scalar:
+    """Return tr A⁻¹C (rad²/s²)."""
+    (g1, g2, g3), _, _ = joint_gravity(body, gravity)
+    (n11, n22, n33), (n12, n13, n23), per_volume = _adjugate_of_inertia(body)
+    ankle, knee, hip = stiffness
+    of_others = n11 * (ankle - g1) + n22 * (knee - g2) - 2.0 * (n12 * g2 + (n13 + n23) * g3)
+    return (n33 * per_volume) * (hip - g3) + of_others * per_volume
+
+
+def _adjugate_of_inertia(body: Body) -> tuple[Vector, Vector, Scalar]:
+    """Return adj A, its diagonal and n12, n13, n23, and 1/det A."""
+    (a11, a12, a13), (_, a22, a23), (_, _, a33) = joint_inertia(body)
+    n11, n22, n33 = a22 * a33 - a23**2, a11 * a33 - a13**2, a11 * a22 - a12**2
+    n12, n13, n23 = a13 * a23 - a12 * a33, a12 * a23 - a13 * a22, a12 * a13 - a11 * a23
+    return (n11, n22, n33), (n12, n13, n23), 1.0 / (a11 * n11 + a12 * n12 + a13 * n13)
 
 
 def frequency(eigenvalue: Scalar) -> Scalar:

@@ -15,9 +15,22 @@ knee, hip; Ka, Kk, Kh stiffnesses (Gait & Posture 25 (2007) 432-439 for the mode
 import numpy as np
 
 from standfast import eigen
-from standfast.arithmetic import Matrix, Scalar, Vector, dot, namespace
+from standfast.arithmetic import (
+    Matrix,
+    Scalar,
+    Vector,
+    add,
+    dot,
+    minus,
+    multiply,
+    namespace,
+    product_less,
+    reciprocal,
+)
 from standfast.body import Body, Stiffness, checked_person, checked_scalar
+from standfast.cubic import largest_root
 from standfast.dynamics import (
+    gravity_load_pairs,
     gravity_loads,
     joint_gravity,
     second_variation,
@@ -187,6 +200,23 @@ def stability_determinant(
     return xp.where(any_rigid, xp.copysign(xp.inf, determinant), determinant)[()]
 
 
+def determinant_in_pairs(body: Body, stiffness: Stiffness, gravity: Scalar) -> Scalar:
+    """Return det C, right to the last digits also where it is nearly 0; NaN with a rigid joint.
+
+    det C = c33 (c11 c22 − G2²) − G3² (c11 + c22 + 2 G2), summed in pairs of float64.
+    """
+    xp = namespace(*body, *stiffness, gravity)
+    shank, thigh, g3 = gravity_load_pairs(body, gravity)
+    g2 = add(thigh, g3)
+    g1 = add(shank, g2)
+    c11, c22, c33 = (
+        add((xp.asarray(k), 0.0), minus(g)) for k, g in zip(stiffness, (g1, g2, g3), strict=True)
+    )
+    of_hip = add(multiply(c11, c22), minus(multiply(g2, g2)))
+    rest = multiply(multiply(g3, g3), add(add(c11, c22), add(g2, g2)))
+    return product_less(c33, of_hip, rest)
+
+
 @np.errstate(all="ignore")
 def stiffness_reserve(
     body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY
@@ -209,10 +239,6 @@ def stiffness_reserve(
     return signed_by(verdict(body, stiffness, gravity), _unless_rigid(stiffness, quotient))
 
 
-# Laguerre's steps of :func:`safety_factor`. Two reach 4e-16 for the proportions of people; four
-# reach 5e-15 for an upper body that carries a thousandth of the legs' load, where two roots are
-# nearly equal.
-LAGUERRE_STEPS = 4
 ALMOST_FREE = 1e-60  # N·m/rad
 
 
@@ -223,9 +249,8 @@ def safety_factor(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_G
     The smallest s of diag(K) v = s G v, with G the gravity part of C. So x = 1/s is the largest
     root of x³ − t x² + m x − d, with t, m, d the trace, the sum of the principal minors and the
     determinant of K⁻¹ G: sums and products of positive numbers. All entries of K⁻¹ G are positive,
-    so the root is simple, and Laguerre's steps fall towards it from the upper bound
-    (t + 2 √(t² − 3m))/3. Above 1 exactly where the verdict is stable; 0 with a free joint;
-    infinite with three rigid joints.
+    so the root is simple; it is found as a multiple of the trace. Above 1 exactly where the verdict
+    is stable; 0 with a free joint; infinite with three rigid joints.
 
     Raises
     ------
@@ -241,14 +266,9 @@ def safety_factor(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_G
     minors = ankle * (shank * below * knee + (shank + thigh) * upper * hip)
     minors = minors + thigh * upper * knee * hip
     determinant = shank * thigh * upper * ankle * knee * hip
-    root = (trace + 2.0 * xp.sqrt(xp.maximum(trace**2 - 3.0 * minors, 0.0))) / 3.0
-    for _ in range(LAGUERRE_STEPS):
-        value = ((root - trace) * root + minors) * root - determinant
-        slope = (3.0 * root - 2.0 * trace) * root + minors
-        curvature = 6.0 * root - 2.0 * trace
-        spread = xp.sqrt(xp.maximum(4.0 * slope**2 - 6.0 * value * curvature, 0.0))
-        root = root - 3.0 * value / (slope + spread)
-    factor = _unless_rigid(stiffness, 1.0 / root)
+    per_trace = reciprocal(trace)
+    share = largest_root(1.0, minors * per_trace**2, determinant * per_trace**3, steps=2)
+    factor = _unless_rigid(stiffness, 1.0 / (trace * share))
     free = (stiffness.ankle == 0.0) | (stiffness.knee == 0.0) | (stiffness.hip == 0.0)
     factor = xp.where(free, 0.0, factor)
     # within rounding of 1 the verdict decides

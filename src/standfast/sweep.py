@@ -37,7 +37,7 @@ Packed = tuple[Tile, tuple[bytes, ...]]
 AHEAD = 3
 
 # The forecast computes one tile in so many of each group, a few at most.
-SAMPLED_SHARE, MOST_SAMPLED = 16, 8
+SAMPLED_SHARE, MOST_SAMPLED = 32, 8
 
 # What a file needs beside its chunks.
 LAYOUT_BYTES = 40_000

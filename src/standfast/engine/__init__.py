@@ -8,11 +8,14 @@ import jax
 import numpy as np
 
 from standfast.engine.mapping import Inputs, over_persons
+from standfast.engine.memory import keep_freed_memory
 from standfast.engine.values import FUNCTIONS, Values
 from standfast.engine.verdicts import Verdicts
 from standfast.study import Study, Tile
 
 __all__ = ["FUNCTIONS", "Evaluator", "over_persons"]
+
+keep_freed_memory()
 
 
 class Evaluator:

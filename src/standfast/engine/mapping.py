@@ -23,18 +23,19 @@ COMPILER_OPTIONS = {"xla_cpu_prefer_vector_width": 512}
 def over_axes(function: OfOne, axes: tuple[str, ...]) -> Callable[..., Any]:
     """Compile a function of one person's parameters over the grid of some of them.
 
-    The result takes the parameters that are fixed and the pieces of the axes, both by name; the
-    last axis is fastest. It is mapped one axis at a time, so that each intermediate result is
-    computed on its own axes alone: gravity loads on those of the body, and so on.
+    The result takes the parameters that are fixed, the pieces of the axes, and what is known of
+    each point of the grid, all by name; the last axis is fastest. It is mapped one axis at a time,
+    so that each intermediate result is computed on its own axes alone: gravity loads on those of
+    the body, and so on.
     """
 
-    def of_both(fixed: dict[str, Any], varying: dict[str, Any]) -> Any:
-        return function({**fixed, **varying})
+    def of_all(fixed: dict[str, Any], varying: dict[str, Any], known: dict[str, Any]) -> Any:
+        return function({**fixed, **varying, **known})
 
     for mapped in reversed(axes):
         along = {name: 0 if name == mapped else None for name in axes}
-        of_both = jax.vmap(of_both, in_axes=(None, along))
-    return compiled(of_both)
+        of_all = jax.vmap(of_all, in_axes=(None, along, 0))
+    return compiled(of_all)
 
 
 def over_points(function: OfOne) -> Callable[..., Any]:
@@ -115,6 +116,6 @@ def _along(name: str, values: np.ndarray) -> Any:
     )
 
 
-def places(number: int, length: int, count: int) -> np.ndarray:
+def places(start: int, length: int, count: int) -> np.ndarray:
     """Return the places of a chunk on an axis, repeating the last one beyond the axis's end."""
-    return np.minimum(np.arange(number * length, (number + 1) * length), count - 1)
+    return np.minimum(np.arange(start, start + length), count - 1)

@@ -7,6 +7,16 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 
+def keep_freed_memory() -> None:
+    """Let glibc keep freed memory for the next array instead of giving it back to the system.
+
+    What is given back is mapped page by page when it is next written, which takes longer than
+    computing what is written. glibc gives back blocks above a limit, which it raises, up to 32 MiB,
+    to the largest that was freed; other allocators take no notice.
+    """
+    np.empty(2**25 - 2**14, np.uint8)
+
+
 class Recycled:
     """Memory for arrays of one shape, used again once nobody holds the array any more.
 

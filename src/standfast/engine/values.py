@@ -8,10 +8,12 @@ from collections.abc import Callable, Mapping
 from functools import cache, lru_cache, partial
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
+from jax import lax
 
 from standfast import stability
-from standfast.arithmetic import Scalar, namespace
+from standfast.arithmetic import Scalar
 from standfast.body import Body, Stiffness
 from standfast.engine.mapping import Inputs, Person, over_axes, over_points, person, places
 from standfast.engine.memory import Recycled
@@ -22,6 +24,7 @@ from standfast.modes import (
     modes,
     quick_eigenvalues,
     ratio_to_ankle,
+    sum_of_eigenvalues,
 )
 from standfast.study import Group, Study, Tile
 
@@ -49,6 +52,8 @@ OF_SHAPES = {"hip_ankle_ratio", "knee_ankle_ratio"}
 # Points that are computed the accurate way at once.
 POINTS = 4096
 
+VECTOR = 8  # float64 in the widest registers
+
 
 def critical(joint: str, body: Body, stiffness: Stiffness, gravity: Scalar) -> Scalar:
     """Return the threshold of a joint, which does not ask for that joint's own stiffness."""
@@ -67,19 +72,31 @@ def _accurately(quantities: tuple[str, ...], parameters: dict[str, Any]) -> tupl
     return tuple(FUNCTIONS[quantity](one, modes_of) for quantity in quantities)
 
 
+def _two_eigenvalues(_: tuple[str, ...], parameters: dict[str, Any]) -> Scalar:
+    """Return the two smaller eigenvalues of one person as a complex number; NaN if in doubt."""
+    low, middle, _, doubt = quick_eigenvalues(*person(parameters))
+    return lax.complex(jnp.where(doubt, jnp.nan, low), jnp.where(doubt, jnp.nan, middle))
+
+
 def _quickly(quantities: tuple[str, ...], parameters: dict[str, Any]) -> tuple[Scalar, ...]:
-    """Return the quantities of one person, eigenvalues the quick way, and whether in doubt."""
+    """Return the quantities of one person, of eigenvalues the quick way: NaN if in doubt.
+
+    The third eigenvalue follows from the sum. XLA on processors makes a loop for each array that it
+    gives, and computes anew in each what they share: for several quantities the two others are
+    computed before, in one array.
+    """
     one = person(parameters)
-    *eigenvalues, doubt = quick_eigenvalues(*one)
-    xp = namespace(*eigenvalues)
-    quick = Modes(xp.stack(eigenvalues), xp.nan)
-    return (*(FUNCTIONS[quantity](one, lambda: quick) for quantity in quantities), doubt)
+    two = parameters.get("two_eigenvalues")
+    if two is None:
+        two = _two_eigenvalues((), parameters)
+    quick = jnp.stack([two.real, two.imag, sum_of_eigenvalues(*one) - two.imag - two.real])
+    return tuple(FUNCTIONS[name](one, lambda: Modes(quick, jnp.nan)) for name in quantities)
 
 
 # Compiled for each set of quantities and axes; studies that differ in numbers alone share it.
 @lru_cache(maxsize=64)
 def _compiled(
-    way: Callable[[tuple[str, ...], dict[str, Any]], tuple[Scalar, ...]],
+    way: Callable[[tuple[str, ...], dict[str, Any]], Any],
     quantities: tuple[str, ...],
     axes: tuple[str, ...] | None,
 ) -> Callable[..., Any]:
@@ -94,28 +111,39 @@ class Values:
         self.group, self.inputs = group, inputs
         wanted = set(group.quantities)
         self.quick = bool(wanted & OF_EIGENVALUES) and not wanted & OF_SHAPES
+        # a quantity that is NaN where eigenvalues are in doubt
+        self.doubtful = next(
+            (i for i, name in enumerate(group.quantities) if name in OF_EIGENVALUES), 0
+        )
         way = _quickly if self.quick else _accurately
         self.on_grid = _compiled(way, group.quantities, group.axes)
         self.memory = Recycled(group.chunk_shape, np.float64)
         self.lengths = [len(study.axes[name]) for name in group.axes]
+        self.padded_shape = _padded(group.chunk_shape)
 
     def __call__(self, tile: Tile) -> tuple[np.ndarray, ...]:
-        """Compute one tile."""
+        """Compute one tile; the arrays may be cut out of wider ones."""
         group = self.group
+        starts = group.start(tile)
         at = dict(
-            zip(group.axes, map(places, tile.chunk, group.chunk_shape, self.lengths), strict=True)
+            zip(group.axes, map(places, starts, self.padded_shape, self.lengths), strict=True)
         )
-        found = self.on_grid(self.inputs.fixed, self.inputs.pieces(at))
-        if not self.quick:
-            return tuple(np.asarray(values) for values in found)
-        *results, doubt = found
-        flat = np.flatnonzero(doubt)
-        if flat.size == 0:
-            return tuple(np.asarray(values) for values in results)
+        fixed, pieces = self.inputs.fixed, self.inputs.pieces(at)
+        known = {}
+        if self.quick and len(group.quantities) > 1:
+            two = _compiled(_two_eigenvalues, (), group.axes)(fixed, pieces, {})
+            known["two_eigenvalues"] = two
+        found = self.on_grid(fixed, pieces, known)
+        inside = tuple(slice(side) for side in group.chunk_shape)
+        results = tuple(np.asarray(values)[inside] for values in found)
+        # a single NaN shows in the smallest value, which is found sooner than it is looked for
+        if not self.quick or not np.isnan(results[self.doubtful].min()):
+            return results
+        doubtful = np.isnan(results[self.doubtful])
         values = tuple(self.memory.take() for _ in results)
         for array, result in zip(values, results, strict=True):
             np.copyto(array, result)
-        self._correct(values, np.unravel_index(flat, group.chunk_shape), at)
+        self._correct(values, np.nonzero(doubtful), at)
         return values
 
     def _correct(
@@ -126,7 +154,7 @@ class Values:
     ) -> None:
         """Compute the points in doubt the accurate way, and put them into their places."""
         if not where:
-            exact = _compiled(_accurately, self.group.quantities, ())(self.inputs.fixed, {})
+            exact = _compiled(_accurately, self.group.quantities, ())(self.inputs.fixed, {}, {})
             for array, value in zip(values, exact, strict=True):
                 array[()] = value
             return
@@ -141,3 +169,14 @@ class Values:
             exact = accurate(self.inputs.fixed, self.inputs.pieces(points))
             for array, result in zip(values, exact, strict=True):
                 array[batch] = np.asarray(result)[: batch[0].size]
+
+
+def _padded(shape: tuple[int, ...]) -> tuple[int, ...]:
+    """Return the shape on which a chunk is computed: the last axis in whole vectors.
+
+    What does not fill a vector of the processor is computed number by number, as slowly as
+    several vectors.
+    """
+    if not shape or shape[-1] <= VECTOR // 2:
+        return shape
+    return (*shape[:-1], VECTOR * -(-shape[-1] // VECTOR))

@@ -99,8 +99,9 @@ class Verdicts:
         does, the threshold is settled in fractions.
         """
         counts = [len(self.study.axes[name]) for name in self.others]
-        at = dict(zip(self.others, map(places, chunk, self.shape, counts), strict=True))
-        found = _compiled(self.others)(self.inputs.fixed, self.inputs.pieces(at))
+        starts = [number * side for number, side in zip(chunk, self.shape, strict=True)]
+        at = dict(zip(self.others, map(places, starts, self.shape, counts), strict=True))
+        found = _compiled(self.others)(self.inputs.fixed, self.inputs.pieces(at), {})
         threshold, low, high = (np.asarray(each) for each in found)
         falling = np.array(np.searchsorted(self.ankle, threshold, side="right"))
         settled = []

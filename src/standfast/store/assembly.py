@@ -1,14 +1,18 @@
 """The finishing of an atlas: all chunks in canonical order into one file, which is read back."""
 
 import errno
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from concurrent.futures import Executor, ThreadPoolExecutor
 from pathlib import Path
 
 import h5py
 from isal import isal_zlib
 
 from standfast.store.chunks import Packed, into_atlas, read_chunks
+from standfast.store.shards import sync_file
 from standfast.study import Study
+
+SYNCED_BYTES = 2**24
 
 
 def assemble(path: Path, study: Study, version: str, packed: Iterable[Packed]) -> None:
@@ -19,12 +23,27 @@ def assemble(path: Path, study: Study, version: str, packed: Iterable[Packed]) -
     OSError
         if the disk does not take the file, or it does not read back as it was written.
     """
-    written = _checksum(into_atlas(path, study, version, packed))
-    with h5py.File(path, "r") as file:
-        tiles = (tile for number in range(study.shard_count) for tile in study.shard(number))
-        read_back = _checksum(read_chunks(file, study, tiles))
+    # the disk is at work while the file grows and is read back
+    with ThreadPoolExecutor(1) as disk:
+        packed = into_atlas(path, study, version, packed)
+        written = _checksum(_synced_as_it_grows(path, packed, disk))
+        disk.submit(sync_file, path)
+        with h5py.File(path, "r") as file:
+            tiles = (tile for number in range(study.shard_count) for tile in study.shard(number))
+            read_back = _checksum(read_chunks(file, study, tiles))
     if read_back != written:
         raise OSError(errno.EIO, "the file does not read back as it was written", str(path))
+
+
+def _synced_as_it_grows(path: Path, packed: Iterable[Packed], disk: Executor) -> Iterator[Packed]:
+    """Hand chunks on, and let the disk take the file every now and then."""
+    unsynced = 0
+    for tile, chunks in packed:
+        unsynced += sum(map(len, chunks))
+        if unsynced > SYNCED_BYTES:
+            disk.submit(sync_file, path)
+            unsynced = 0
+        yield tile, chunks
 
 
 def _checksum(packed: Iterable[Packed]) -> int:

@@ -69,7 +69,7 @@ def compressed(values: np.ndarray) -> bytes:
     """Return a chunk as HDF5 stores it: shuffled if its items have several bytes, deflated."""
     if values.strides and not any(values.strides):
         return _constant(values.dtype.str, values.flat[0].item(), values.size)
-    return _deflated(np.ascontiguousarray(values))
+    return _deflated(values)
 
 
 def inflated(raw: bytes, dtype: np.dtype[Any], shape: tuple[int, ...]) -> np.ndarray:
@@ -107,15 +107,13 @@ def _deflated(values: np.ndarray) -> bytes:
     The lowest bytes of floating-point numbers are noise that does not shrink; after the shuffle
     they come first, and are stored as they are, which deflate allows and is several times faster.
     """
-    as_bytes = values.reshape(-1).view(np.uint8)
     size = values.dtype.itemsize
     if size == 1:
-        packed: bytes = isal_zlib.compress(as_bytes, DEFLATE_LEVEL)
+        packed: bytes = isal_zlib.compress(np.ascontiguousarray(values), DEFLATE_LEVEL)
         return packed
-    planes = np.ascontiguousarray(as_bytes.reshape(-1, size).T)
-    noise = 0
-    while noise < size - 1 and not _shrinks(planes[noise]):
-        noise += 1
+    as_bytes = values[..., None].view(np.uint8)
+    planes = np.ascontiguousarray(np.moveaxis(as_bytes, -1, 0)).reshape(size, -1)
+    noise = _planes_of_noise(planes)
     deflate = isal_zlib.compressobj(DEFLATE_LEVEL, wbits=-15)
     rest = deflate.compress(planes[noise:]) + deflate.flush()
     checksum = struct.pack(">I", isal_zlib.adler32(planes))
@@ -130,19 +128,26 @@ LONGEST_STORED = 2**16 - 1
 SAMPLE_BYTES, WORTH = 2**13, 0.95
 
 
+def _planes_of_noise(planes: np.ndarray) -> int:
+    """Return how many of the lowest planes of bytes do not shrink; the lower the less they do."""
+    if _shrinks(planes[0]):  # rounded numbers, or few different ones
+        return 0
+    return next((n for n in range(len(planes) - 1, 0, -1) if not _shrinks(planes[n - 1])), 0)
+
+
 def _shrinks(plane: np.ndarray) -> bool:
     middle = max(plane.size - SAMPLE_BYTES, 0) // 2
     sample = plane[middle : middle + SAMPLE_BYTES]
     return len(isal_zlib.compress(sample, DEFLATE_LEVEL)) < WORTH * sample.size
 
 
-def _stored(planes: np.ndarray) -> Iterator[bytes]:
+def _stored(planes: np.ndarray) -> Iterator[bytes | memoryview]:
     """Give bytes as deflate blocks that are stored, none of them the last of the stream."""
     flat = planes.reshape(-1)
     for start in range(0, flat.size, LONGEST_STORED):
         block = flat[start : start + LONGEST_STORED]
         yield struct.pack("<BHH", 0, block.size, block.size ^ LONGEST_STORED)
-        yield block.tobytes()
+        yield block.data
 
 
 def _parameter(file: h5py.File, name: str, values: np.ndarray) -> h5py.Dataset:

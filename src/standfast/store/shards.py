@@ -93,6 +93,12 @@ def shard_content(folder: Path, number: int) -> bytes:
     return shard_path(folder, number).read_bytes()[HEADER_BYTES:]
 
 
+def sync_file(path: Path) -> None:
+    """Wait until the disk has taken a file."""
+    with path.open("rb") as file:
+        os.fsync(file.fileno())
+
+
 def sync_folder(folder: Path) -> None:
     """Make a rename in this folder survive a power loss."""
     descriptor = os.open(folder, os.O_RDONLY)

@@ -22,6 +22,7 @@ from standfast.store.shards import (
     is_valid,
     shard_in_making,
     shard_path,
+    sync_file,
     sync_folder,
 )
 
@@ -94,7 +95,7 @@ class Workplace(Generic[W]):
         if there is None:
             partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
             partial.write_text(self.study.canonical, encoding="utf-8")
-            _sync_file(partial)
+            sync_file(partial)
             partial.replace(path)
             sync_folder(self.folder)
         elif there.fingerprint != self.study.fingerprint:
@@ -143,7 +144,7 @@ class Workplace(Generic[W]):
         try:
             with _failures_of_hdf5(partial):
                 assemble(partial)
-            _sync_file(partial)
+            sync_file(partial)
             partial.replace(self.target)
         finally:
             partial.unlink(missing_ok=True)
@@ -259,8 +260,3 @@ def _require_room(folder: Path, size: int) -> None:
     if free < size:
         reason = f"no space left on device: finishing needs {size} bytes, {free} are free"
         raise OSError(errno.ENOSPC, reason, str(folder))
-
-
-def _sync_file(path: Path) -> None:
-    with path.open("rb") as file:
-        os.fsync(file.fileno())

@@ -11,7 +11,8 @@ import scipy.optimize
 import standfast as sf
 from people import batch, person_of, random_body, random_gravity, random_stiffness
 from standfast.dynamics import second_variation
-from standfast.modes import quick_eigenvalues
+from standfast.modes import modes, quick_eigenvalues, quick_reserve
+from standfast.stability import stiffness_reserve as reserve
 from standfast.stability import verdict
 
 DIGITS = 50
@@ -259,3 +260,22 @@ def test_quick_eigenvalues_are_right_or_in_doubt(kind):
         assert doubts < 0.2 * count  # these bodies and stiffnesses are more various than people
     if kind == "near_zero":  # the doubt is needed
         assert ignored > 100.0 * EIGENVALUE_RTOL
+
+
+@pytest.mark.parametrize(("least", "most"), [(-3, 3), (0, 2.5), (0, 5), (2, 4), (0, 9)])
+def test_quick_ways_agree_with_the_accurate_ones(least, most):
+    """At many persons, in every manner of falling and standing."""
+    rng = np.random.default_rng((2007, int(10 * most)))
+    body = sf.Body.from_height_mass(1.6, 95.0, model="de-leva-female")
+
+    def both(ankle, knee, hip):
+        of = (body, sf.Stiffness._make((ankle, knee, hip)), 9.81)
+        return quick_eigenvalues(*of), modes(*of).eigenvalues, quick_reserve(*of), reserve(*of)
+
+    stiffness = (10.0 ** rng.uniform(least, most, 50_000) for _ in range(3))
+    (*quick, doubt), exact, (low, in_doubt), least_of_c = jax.jit(jax.vmap(both))(*stiffness)
+    errors = np.abs(np.stack(quick, axis=1) / exact - 1.0)[~np.asarray(doubt)]
+    assert errors.max() < EIGENVALUE_RTOL
+    assert np.abs(low / least_of_c - 1.0)[~np.asarray(in_doubt)].max() < EIGENVALUE_RTOL
+    assert np.mean(doubt) < 0.15
+    assert np.mean(in_doubt) < 0.15

@@ -17,6 +17,7 @@ import numpy as np
 from standfast import eigen
 from standfast.arithmetic import (
     Array,
+    Matrix,
     Scalar,
     Vector,
     applied,
@@ -88,13 +89,11 @@ UPRIGHT = (0.0, 0.0, 0.0)
 
 # What the estimate of :func:`quick_eigenvalues` allows relative to the eigenvalue; how many
 # roundings of the largest term it expects in trace and minors, how many of the determinant itself,
-# what pairs leave of the determinant's largest term; and how far the iteration may be from its end.
-# The inverse of A, whose rounding the estimate leaves out, costs up to 2e-13 with the proportions
-# of the body models.
+# and what pairs leave of the determinant's largest term. The inverse of A, whose rounding the
+# estimate leaves out, costs up to 2e-13 with the proportions of the body models.
 DOUBT = 5e-13
-ENDED = 32.0 * ROUNDOFF
-ROUNDINGS = 24.0 * ROUNDOFF + ENDED
-DETERMINANT_ROUNDINGS = 16.0 * ROUNDOFF + ENDED
+ROUNDINGS = 24.0 * ROUNDOFF
+DETERMINANT_ROUNDINGS = 16.0 * ROUNDOFF
 PAIR_ROUNDING = 2.0**-72
 
 
@@ -113,16 +112,29 @@ def quick_eigenvalues(
     than :data:`DOUBT`, that is eigenvalues near each other, and persons with a rigid joint. Many
     times faster than :func:`modes`, which is for these.
     """
+    return _quick_roots(body, stiffness, gravity, joint_inertia(body))
+
+
+@np.errstate(all="ignore")
+def quick_reserve(body: Body, stiffness: Stiffness, gravity: Scalar) -> tuple[Scalar, Scalar]:
+    """Return the smallest eigenvalue of C, as :func:`quick_eigenvalues` does, and if in doubt."""
+    low, _, _, doubt = _quick_roots(body, stiffness, gravity, eigen.IDENTITY)
+    return low, doubt
+
+
+def _quick_roots(
+    body: Body, stiffness: Stiffness, gravity: Scalar, inertia: Matrix
+) -> tuple[Scalar, Scalar, Scalar, Scalar]:
     xp = namespace(*body, *stiffness, gravity)
     (g1, g2, g3), _, _ = joint_gravity(body, gravity)
-    (a11, a12, a13), (_, a22, a23), (_, _, a33) = joint_inertia(body)
-    (n11, n22, n33), _, per_volume = _adjugate_of_inertia(body)
+    (a11, a12, a13), (_, a22, a23), (_, _, a33) = inertia
+    (n11, n22, n33), _, per_volume = _adjugate(inertia)
     ankle, knee, hip = stiffness
     c11, c22, c33 = ankle - g1, knee - g2, hip - g3
     slope2 = a11 * c22 + a22 * c11 + 2.0 * a12 * g2
     rest2 = a33 * (c11 * c22 - g2**2) - (a11 + a22 - 2.0 * a12) * g3**2
     rest2 = rest2 + 2.0 * g3 * (a13 * (g2 + c22) + a23 * (g2 + c11))
-    e1 = sum_of_eigenvalues(body, stiffness, gravity)
+    e1 = _trace(body, stiffness, gravity, inertia)
     e2 = (slope2 * per_volume) * c33 + rest2 * per_volume
     e3 = determinant_in_pairs(body, stiffness, gravity) * per_volume
 
@@ -144,32 +156,35 @@ def quick_eigenvalues(
     size3 = (PAIR_ROUNDING / DOUBT * per_volume * s1 * s2) * s3
     size3 = size3 + DETERMINANT_ROUNDINGS / DOUBT * abs(e3)
 
-    def moves_by(of: Scalar) -> Scalar:
-        return (size1 * abs(of) + size2) * abs(of) + size3
+    def moves_by(root: Scalar) -> Scalar:
+        left = abs(((root - e1) * root + e2) * root - e3)  # where the root is not quite one
+        return (size1 * abs(root) + size2) * abs(root) + (size3 + 3.0 / DOUBT * left)
 
     apart, above, across = middle - low, high - middle, high - low
-    left = abs(((high - e1) * high + e2) * high - e3)
     certain = (
         (moves_by(low) < abs(low) * apart * across)
         & (moves_by(middle) < abs(middle) * apart * above)
         & (moves_by(high) < abs(high) * above * across)
-        & (left < ENDED * abs(high) * above * across)
     )
     return low, middle, high, ~certain
 
 
 def sum_of_eigenvalues(body: Body, stiffness: Stiffness, gravity: Scalar) -> Scalar:
     """Return tr A⁻¹C (rad²/s²)."""
+    return _trace(body, stiffness, gravity, joint_inertia(body))
+
+
+def _trace(body: Body, stiffness: Stiffness, gravity: Scalar, inertia: Matrix) -> Scalar:
     (g1, g2, g3), _, _ = joint_gravity(body, gravity)
-    (n11, n22, n33), (n12, n13, n23), per_volume = _adjugate_of_inertia(body)
+    (n11, n22, n33), (n12, n13, n23), per_volume = _adjugate(inertia)
     ankle, knee, hip = stiffness
     of_others = n11 * (ankle - g1) + n22 * (knee - g2) - 2.0 * (n12 * g2 + (n13 + n23) * g3)
     return (n33 * per_volume) * (hip - g3) + of_others * per_volume
 
 
-def _adjugate_of_inertia(body: Body) -> tuple[Vector, Vector, Scalar]:
+def _adjugate(inertia: Matrix) -> tuple[Vector, Vector, Scalar]:
     """Return adj A, its diagonal and n12, n13, n23, and 1/det A."""
-    (a11, a12, a13), (_, a22, a23), (_, _, a33) = joint_inertia(body)
+    (a11, a12, a13), (_, a22, a23), (_, _, a33) = inertia
     n11, n22, n33 = a22 * a33 - a23**2, a11 * a33 - a13**2, a11 * a22 - a12**2
     n12, n13, n23 = a13 * a23 - a12 * a33, a12 * a23 - a13 * a22, a12 * a13 - a11 * a23
     return (n11, n22, n33), (n12, n13, n23), 1.0 / (a11 * n11 + a12 * n12 + a13 * n13)

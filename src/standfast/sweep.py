@@ -33,8 +33,10 @@ Progress = Callable[[int, int], None]
 Announce = Callable[["Forecast"], None]
 Packed = tuple[Tile, tuple[bytes, ...]]
 
-# Tiles under way or waiting to be written, for each thread.
+# Jobs under way or waiting to be written, for each thread. A job is one tile, or several of
+# verdicts, most of which are known sooner than a thread can be told.
 AHEAD = 3
+VERDICTS_TOGETHER = 8
 
 # The forecast computes one tile in so many of each group, a few at most.
 SAMPLED_SHARE, MOST_SAMPLED = 32, 8
@@ -168,7 +170,8 @@ class _Run:
     def __init__(self, study: Study, missing: list[int], threads: int) -> None:
         self.study, self.threads = study, threads
         self.tiles = [tile for number in missing for tile in study.shard(number)]
-        self.total = sum(_points(study, tile) for tile in self.tiles)
+        self.points = [_points(study, tile) for tile in self.tiles]
+        self.total = sum(self.points)
         self._known: dict[Tile, tuple[bytes, ...]] = {}
         self._evaluate: Evaluator | None = None
         self._repeated = 0  # verdicts settled in tiles that are computed again
@@ -195,21 +198,32 @@ class _Run:
 
     def packed(self, progress: Progress | None) -> Generator[Packed, None, None]:
         """Compute and compress the tiles in threads; give them in order."""
-        waiting: deque[tuple[Tile, Future[tuple[bytes, ...]]]] = deque()
-        left = iter(self.tiles)
+        waiting: deque[tuple[list[Tile], Future[list[tuple[bytes, ...]]]]] = deque()
+        left = self._jobs()
+        points = iter(self.points)
         done = 0
         with ThreadPoolExecutor(self.threads) as pool:
             while True:
-                for tile in islice(left, AHEAD * self.threads - len(waiting)):
-                    waiting.append((tile, pool.submit(self._pack, tile)))
+                for tiles in islice(left, AHEAD * self.threads - len(waiting)):
+                    waiting.append((tiles, pool.submit(self._pack_all, tiles)))
                 if not waiting:
                     return
-                tile, job = waiting.popleft()
-                packed = job.result()
-                done += _points(self.study, tile)
-                if progress is not None:
-                    progress(done, self.total)
-                yield tile, packed
+                tiles, job = waiting.popleft()
+                for tile, packed in zip(tiles, job.result(), strict=True):
+                    done += next(points)
+                    if progress is not None:
+                        progress(done, self.total)
+                    yield tile, packed
+
+    def _jobs(self) -> Iterator[list[Tile]]:
+        """Give the tiles that a thread takes at once."""
+        for group, members in groupby(self.tiles, attrgetter("group")):
+            count = VERDICTS_TOGETHER if self.study.groups[group].tile_work == 1 else 1
+            while tiles := list(islice(members, count)):
+                yield tiles
+
+    def _pack_all(self, tiles: list[Tile]) -> list[tuple[bytes, ...]]:
+        return [self._pack(tile) for tile in tiles]
 
     def _pack(self, tile: Tile) -> tuple[bytes, ...]:
         from standfast.store.layout import compressed  # noqa: PLC0415 - imports h5py

@@ -18,6 +18,7 @@ OfOne = Callable[[dict[str, Any]], Any]
 
 # Without it XLA uses half of the vector registers that many processors have.
 COMPILER_OPTIONS = {"xla_cpu_prefer_vector_width": 512}
+VECTOR = 8  # float64 in such a register
 
 
 def over_axes(function: OfOne, axes: tuple[str, ...]) -> Callable[..., Any]:
@@ -119,3 +120,14 @@ def _along(name: str, values: np.ndarray) -> Any:
 def places(start: int, length: int, count: int) -> np.ndarray:
     """Return the places of a chunk on an axis, repeating the last one beyond the axis's end."""
     return np.minimum(np.arange(start, start + length), count - 1)
+
+
+def in_whole_vectors(shape: tuple[int, ...]) -> tuple[int, ...]:
+    """Return the shape on which a chunk is computed: its last axis in whole vectors.
+
+    What does not fill a vector of the processor is computed number by number, as slowly as
+    several vectors.
+    """
+    if not shape or shape[-1] <= VECTOR // 2:
+        return shape
+    return (*shape[:-1], VECTOR * -(-shape[-1] // VECTOR))

@@ -15,7 +15,15 @@ from jax import lax
 from standfast import stability
 from standfast.arithmetic import Scalar
 from standfast.body import Body, Stiffness
-from standfast.engine.mapping import Inputs, Person, over_axes, over_points, person, places
+from standfast.engine.mapping import (
+    Inputs,
+    Person,
+    in_whole_vectors,
+    over_axes,
+    over_points,
+    person,
+    places,
+)
 from standfast.engine.memory import Recycled
 from standfast.modes import (
     Modes,
@@ -23,6 +31,7 @@ from standfast.modes import (
     growth_rate,
     modes,
     quick_eigenvalues,
+    quick_reserve,
     ratio_to_ankle,
     sum_of_eigenvalues,
 )
@@ -47,12 +56,11 @@ FUNCTIONS: Mapping[str, Callable[[Person, ModesOf], Scalar]] = {
     "knee_ankle_ratio": lambda one, modes_of: ratio_to_ankle("knee", one[1], modes_of()),
 }
 OF_EIGENVALUES = {"eigenvalue_1", "eigenvalue_2", "eigenvalue_3", "frequency", "growth_rate"}
+OF_RESERVE = {"stiffness_reserve"}
 OF_SHAPES = {"hip_ankle_ratio", "knee_ankle_ratio"}
 
 # Points that are computed the accurate way at once.
 POINTS = 4096
-
-VECTOR = 8  # float64 in the widest registers
 
 
 def critical(joint: str, body: Body, stiffness: Stiffness, gravity: Scalar) -> Scalar:
@@ -90,7 +98,14 @@ def _quickly(quantities: tuple[str, ...], parameters: dict[str, Any]) -> tuple[S
     if two is None:
         two = _two_eigenvalues((), parameters)
     quick = jnp.stack([two.real, two.imag, sum_of_eigenvalues(*one) - two.imag - two.real])
-    return tuple(FUNCTIONS[name](one, lambda: Modes(quick, jnp.nan)) for name in quantities)
+
+    def value(quantity: str) -> Scalar:
+        if quantity in OF_RESERVE:
+            reserve, doubt = quick_reserve(*one)
+            return jnp.where(doubt, jnp.nan, reserve)
+        return FUNCTIONS[quantity](one, lambda: Modes(quick, jnp.nan))
+
+    return tuple(value(quantity) for quantity in quantities)
 
 
 # Compiled for each set of quantities and axes; studies that differ in numbers alone share it.
@@ -110,40 +125,44 @@ class Values:
     def __init__(self, study: Study, group: Group, inputs: Inputs) -> None:
         self.group, self.inputs = group, inputs
         wanted = set(group.quantities)
-        self.quick = bool(wanted & OF_EIGENVALUES) and not wanted & OF_SHAPES
-        # a quantity that is NaN where eigenvalues are in doubt
-        self.doubtful = next(
-            (i for i, name in enumerate(group.quantities) if name in OF_EIGENVALUES), 0
-        )
+        self.quick = bool(wanted & (OF_EIGENVALUES | OF_RESERVE)) and not wanted & OF_SHAPES
+        self.in_two_steps = len(wanted & OF_EIGENVALUES) > 1
+        # one quantity of each kind that may be in doubt
+        self.doubtful = [
+            next(i for i, name in enumerate(group.quantities) if name in kind)
+            for kind in (OF_EIGENVALUES, OF_RESERVE)
+            if self.quick and wanted & kind
+        ]
         way = _quickly if self.quick else _accurately
         self.on_grid = _compiled(way, group.quantities, group.axes)
         self.memory = Recycled(group.chunk_shape, np.float64)
         self.lengths = [len(study.axes[name]) for name in group.axes]
-        self.padded_shape = _padded(group.chunk_shape)
+        self.computed_shape = in_whole_vectors(group.chunk_shape)
 
     def __call__(self, tile: Tile) -> tuple[np.ndarray, ...]:
         """Compute one tile; the arrays may be cut out of wider ones."""
         group = self.group
         starts = group.start(tile)
         at = dict(
-            zip(group.axes, map(places, starts, self.padded_shape, self.lengths), strict=True)
+            zip(group.axes, map(places, starts, self.computed_shape, self.lengths), strict=True)
         )
         fixed, pieces = self.inputs.fixed, self.inputs.pieces(at)
         known = {}
-        if self.quick and len(group.quantities) > 1:
+        if self.quick and self.in_two_steps:
             two = _compiled(_two_eigenvalues, (), group.axes)(fixed, pieces, {})
             known["two_eigenvalues"] = two
         found = self.on_grid(fixed, pieces, known)
         inside = tuple(slice(side) for side in group.chunk_shape)
         results = tuple(np.asarray(values)[inside] for values in found)
         # a single NaN shows in the smallest value, which is found sooner than it is looked for
-        if not self.quick or not np.isnan(results[self.doubtful].min()):
+        doubtful = [results[i] for i in self.doubtful if np.isnan(results[i].min())]
+        if not doubtful:
             return results
-        doubtful = np.isnan(results[self.doubtful])
         values = tuple(self.memory.take() for _ in results)
         for array, result in zip(values, results, strict=True):
             np.copyto(array, result)
-        self._correct(values, np.nonzero(doubtful), at)
+        where = np.logical_or.reduce([np.isnan(result) for result in doubtful])
+        self._correct(values, np.nonzero(where), at)
         return values
 
     def _correct(
@@ -169,14 +188,3 @@ class Values:
             exact = accurate(self.inputs.fixed, self.inputs.pieces(points))
             for array, result in zip(values, exact, strict=True):
                 array[batch] = np.asarray(result)[: batch[0].size]
-
-
-def _padded(shape: tuple[int, ...]) -> tuple[int, ...]:
-    """Return the shape on which a chunk is computed: the last axis in whole vectors.
-
-    What does not fill a vector of the processor is computed number by number, as slowly as
-    several vectors.
-    """
-    if not shape or shape[-1] <= VECTOR // 2:
-        return shape
-    return (*shape[:-1], VECTOR * -(-shape[-1] // VECTOR))

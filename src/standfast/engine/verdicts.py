@@ -12,7 +12,7 @@ import numpy as np
 from standfast import stability
 from standfast.arithmetic import Scalar
 from standfast.certainty import SCALING_ROUNDING, exact_threshold, falling_below, near
-from standfast.engine.mapping import Inputs, over_axes, person, places
+from standfast.engine.mapping import Inputs, in_whole_vectors, over_axes, person, places
 from standfast.engine.memory import Recycled
 from standfast.study import Group, Study, Tile
 
@@ -100,13 +100,22 @@ class Verdicts:
         """
         counts = [len(self.study.axes[name]) for name in self.others]
         starts = [number * side for number, side in zip(chunk, self.shape, strict=True)]
-        at = dict(zip(self.others, map(places, starts, self.shape, counts), strict=True))
+        shape = in_whole_vectors(self.shape)
+        at = dict(zip(self.others, map(places, starts, shape, counts), strict=True))
         found = _compiled(self.others)(self.inputs.fixed, self.inputs.pieces(at), {})
-        threshold, low, high = (np.asarray(each) for each in found)
-        falling = np.array(np.searchsorted(self.ankle, threshold, side="right"))
+        inside = tuple(slice(side) for side in self.shape)
+        threshold, low, high = (np.asarray(each)[inside] for each in found)
+        # searched backwards: stiffer joints have lower thresholds, and NumPy starts to look for a
+        # larger number at the one before
+        backwards = np.searchsorted(self.ankle, threshold.reshape(-1)[::-1], side="right")
+        falling = np.ascontiguousarray(backwards[::-1]).reshape(threshold.shape)
         settled = []
-        sizes = [np.unique(at[name]).size for name in self.others]
-        for index in map(tuple, np.argwhere(near(self.ankle, falling, low, high))):
+        sizes = [
+            min(side, count - start)
+            for side, count, start in zip(self.shape, counts, starts, strict=True)
+        ]
+        in_doubt = near(self.ankle, falling, low, high)
+        for index in map(tuple, np.argwhere(in_doubt) if in_doubt.any() else ()):
             varying = {
                 name: self.study.axes[name][at[name][i]]
                 for name, i in zip(self.others, index, strict=True)

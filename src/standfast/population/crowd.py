@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from standfast.population.draws import Sampler
+from standfast.population.draws import Sampler, aligned
 from standfast.population.laws import JOINTS
 from standfast.population.people import SEXES, People
 from standfast.population.persons import Model
@@ -65,7 +65,11 @@ class Crowd:
         columns += [
             self.people.stiffness[name] for name in self.names if name.endswith("_stiffness")
         ]
-        return np.concatenate([scores[1:], [column[row] for column in columns]])
+        numbers = aligned(len(self.names), scores.shape[1])
+        numbers[: len(scores) - 1] = scores[1:]
+        for place, column in zip(numbers[len(scores) - 1 :], columns, strict=True):
+            np.take(column, row, out=place)
+        return numbers
 
     def rows_of(self, scores: np.ndarray) -> np.ndarray:
         """Return which person of the file each of the scores draws."""

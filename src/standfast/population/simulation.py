@@ -137,9 +137,9 @@ def _counted(
             for number in numbers:
                 replicate, blocks = study.shards[number]
                 shares = [_Share(study, crowd, replicate, stop) for _ in range(workers)]
-                jobs = {
-                    pool.submit(share.count, blocks[i::workers]) for i, share in enumerate(shares)
-                }
+                # one iterator for all: who is done first takes the next block
+                left = iter(blocks)
+                jobs = {pool.submit(share.count, left) for share in shares}
                 while jobs:
                     finished, jobs = wait(jobs, timeout=REFRESH, return_when=FIRST_EXCEPTION)
                     for job in finished:
@@ -168,8 +168,8 @@ class _Share:
         self.kept: dict[int, bytes] = {}
         self.done = 0
 
-    def count(self, blocks: Sequence[int]) -> None:
-        """Draw and count the persons of some blocks."""
+    def count(self, blocks: Iterator[int]) -> None:
+        """Draw and count the persons of blocks, as long as there are any."""
         study, crowd, tally = self.study, self.crowd, self.tally
         for block in blocks:
             if self.stop.is_set():

@@ -17,7 +17,7 @@ from harness import Demand, Report, Row, in_turn
 from standfast.engine import Evaluator
 from standfast.study import Tile
 
-SIDE = 128
+SIDE = 192
 LOOPED = 2000
 BATCHED = 200_000
 CALLS = 500

@@ -174,12 +174,11 @@ class _Run:
         self.total = sum(self.points)
         self._known: dict[Tile, tuple[bytes, ...]] = {}
         self._evaluate: Evaluator | None = None
-        self._repeated = 0  # verdicts settled in tiles that are computed again
 
     @property
     def settled(self) -> int:
         """Verdicts that exact arithmetic had to settle."""
-        return 0 if self._evaluate is None else self._evaluate.settled - self._repeated
+        return 0 if self._evaluate is None else self._evaluate.settled
 
     def foresee(self, place: "Workplace[Study]", announce: Announce | None) -> None:
         """Compile everything, forecast what the run will take, and see whether it fits the disk."""
@@ -239,20 +238,19 @@ class _Run:
     def _forecast(self, place: "Workplace[Study]") -> Forecast:
         """Compute some tiles of each group, evenly spread, and take them for the rest."""
         groups = [list(tiles) for _, tiles in groupby(self.tiles, attrgetter("group"))]
-        for tiles in groups:
-            self._pack(tiles[0])  # compiles
-        self._repeated = self.settled
+        for first, *_ in groups:
+            self._known[first] = self._pack(first)  # compiles
         seconds = size = 0.0
         with ThreadPoolExecutor(self.threads) as pool:
-            for tiles in groups:
-                count = len(tiles)
-                wanted = min(MOST_SAMPLED, 1 + count // SAMPLED_SHARE)
-                sample = [tiles[(2 * i + 1) * count // (2 * wanted)] for i in range(wanted)]
+            for first, *rest in groups:
+                count = len(rest)
+                wanted = min(MOST_SAMPLED, -(-count // SAMPLED_SHARE))
+                sample = [rest[(2 * i + 1) * count // (2 * wanted)] for i in range(wanted)]
                 began = time.perf_counter()
-                packed = dict(zip(sample, pool.map(self._pack, sample), strict=True))
-                seconds += (time.perf_counter() - began) * count / wanted
-                size += sum(len(c) for chunks in packed.values() for c in chunks) * count / wanted
-                self._known |= packed
+                self._known |= zip(sample, pool.map(self._pack, sample), strict=True)
+                seconds += (time.perf_counter() - began) * count / max(wanted, 1)
+                sizes = [sum(map(len, self._known[tile])) for tile in (first, *sample)]
+                size += sum(sizes) / len(sizes) * (1 + count)
         whole = size + place.stored_bytes + LAYOUT_BYTES
         # all shards but the last computed are on the disk together with the file for a moment
         shards = size + LAYOUT_BYTES * len(groups) if self.study.shard_count > 1 else 0

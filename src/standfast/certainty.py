@@ -2,8 +2,8 @@
 
 A verdict of a sweep is one comparison, Ka > L1. The threshold L1 comes with a proven bound of its
 rounding error; only where an ankle stiffness of the study lies within that bound is the comparison
-in doubt. There the threshold is computed again in fractions, from the study's own numbers, and
-replaced by a number between its neighbours on the axis, so that every comparison is the exact one.
+in doubt. There the threshold is computed again in fractions, from the study's own numbers, and how
+many stiffnesses of the axis fall is counted anew, so that every comparison is the exact one.
 
 notation: γs, γt, γb gravity loads; L1, L2, L3 loads carried by ankle, knee, hip.
 """

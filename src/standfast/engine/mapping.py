@@ -117,7 +117,7 @@ def _along(name: str, values: np.ndarray) -> Any:
     )
 
 
-def places(start: int, length: int, count: int) -> np.ndarray:
+def along_axis(start: int, length: int, count: int) -> np.ndarray:
     """Return the places of a chunk on an axis, repeating the last one beyond the axis's end."""
     return np.minimum(np.arange(start, start + length), count - 1)
 

@@ -18,11 +18,11 @@ from standfast.body import Body, Stiffness
 from standfast.engine.mapping import (
     Inputs,
     Person,
+    along_axis,
     in_whole_vectors,
     over_axes,
     over_points,
     person,
-    places,
 )
 from standfast.engine.memory import Recycled
 from standfast.modes import (
@@ -144,7 +144,7 @@ class Values:
         group = self.group
         starts = group.start(tile)
         at = dict(
-            zip(group.axes, map(places, starts, self.computed_shape, self.lengths), strict=True)
+            zip(group.axes, map(along_axis, starts, self.computed_shape, self.lengths), strict=True)
         )
         fixed, pieces = self.inputs.fixed, self.inputs.pieces(at)
         known = {}

@@ -12,7 +12,7 @@ import numpy as np
 from standfast import stability
 from standfast.arithmetic import Scalar
 from standfast.certainty import SCALING_ROUNDING, exact_threshold, falling_below, near
-from standfast.engine.mapping import Inputs, in_whole_vectors, over_axes, person, places
+from standfast.engine.mapping import Inputs, along_axis, in_whole_vectors, over_axes, person
 from standfast.engine.memory import Recycled
 from standfast.study import Group, Study, Tile
 
@@ -101,7 +101,7 @@ class Verdicts:
         counts = [len(self.study.axes[name]) for name in self.others]
         starts = [number * side for number, side in zip(chunk, self.shape, strict=True)]
         shape = in_whole_vectors(self.shape)
-        at = dict(zip(self.others, map(places, starts, shape, counts), strict=True))
+        at = dict(zip(self.others, map(along_axis, starts, shape, counts), strict=True))
         found = _compiled(self.others)(self.inputs.fixed, self.inputs.pieces(at), {})
         inside = tuple(slice(side) for side in self.shape)
         threshold, low, high = (np.asarray(each)[inside] for each in found)

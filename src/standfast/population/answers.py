@@ -20,12 +20,12 @@ from standfast.population.estimators import (
     over_replicates,
     wilson,
 )
+from standfast.population.laws import JOINTS
 from standfast.population.people import SEXES
 from standfast.population.study import PopulationStudy
 from standfast.population.tally import (
     BMI_CLASSES,
     HEIGHT_CLASSES,
-    JOINTS,
     Tally,
     bin_edges,
     bmi_edges,

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.ticker import PercentFormatter
 
 from standfast import figures
+from standfast.population.laws import JOINTS
 from standfast.population.report import Population
-from standfast.population.tally import JOINTS
 
 # A cell of the risk map with fewer persons says more of chance than of risk.
 FEWEST = 50

@@ -15,7 +15,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from standfast.population.laws import UNCORRELATED, Coordinate, Correlation
+from standfast.population.laws import JOINTS, UNCORRELATED, Coordinate, Correlation
 
 # Independent scramblings of a quasi-Monte Carlo run: the interval is Student's t of their spread.
 REPLICATES = 16
@@ -185,20 +185,18 @@ class Sampler:
     @cached_property
     def correlated(self) -> tuple[int, ...]:
         """The rows of joints that are correlated with another joint."""
-        joints = ("ankle", "knee", "hip")
         return tuple(
             number
             for number, coordinate in enumerate(self.coordinates)
-            if coordinate.name in joints
-            and self.correlation[joints.index(coordinate.name)]
-            != UNCORRELATED[joints.index(coordinate.name)]
+            if coordinate.name in JOINTS
+            and self.correlation[JOINTS.index(coordinate.name)]
+            != UNCORRELATED[JOINTS.index(coordinate.name)]
         )
 
     @cached_property
     def _mixing(self) -> np.ndarray:
         """A matrix L with L Lᵀ the correlation; it may be singular, so by eigenvalues."""
-        joints = ("ankle", "knee", "hip")
-        places = [joints.index(self.coordinates[row].name) for row in self.correlated]
+        places = [JOINTS.index(self.coordinates[row].name) for row in self.correlated]
         values, vectors = np.linalg.eigh(np.array(self.correlation)[np.ix_(places, places)])
         mixing: np.ndarray = vectors * np.sqrt(np.maximum(values, 0.0))
         return mixing

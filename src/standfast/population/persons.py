@@ -14,7 +14,7 @@ from standfast.body import REFERENCE_PEOPLE, Body, Stiffness, rescaled
 from standfast.dynamics import joint_gravity
 from standfast.modes import growth_rate, modes
 from standfast.population.builtin import PROPORTIONS, Group, Proportions
-from standfast.population.laws import Coordinate, Law
+from standfast.population.laws import JOINTS, Coordinate, Law
 from standfast.stability import (
     critical_ankle_stiffness,
     critical_hip_stiffness,
@@ -53,7 +53,7 @@ class Model:
             person = [Coordinate("person", "uniform")]
         if self.scattered:
             person += [Coordinate("shank", "normal"), Coordinate("thigh", "normal")]
-        for joint, law in zip(("ankle", "knee", "hip"), self.laws, strict=True):
+        for joint, law in zip(JOINTS, self.laws, strict=True):
             if law.is_random:
                 person.append(law.coordinate(joint))
         return tuple(person)
@@ -86,9 +86,7 @@ def person_of(model: Model, given: Mapping[str, Scalar]) -> Person:
         body = _scattered(body, height, _of_sex(model, stratum), given)
     (toppling, at_knee, at_hip), _, _ = joint_gravity(body, model.gravity)
     joints = []
-    for joint, law, own in zip(
-        ("ankle", "knee", "hip"), model.laws, (toppling, at_knee, at_hip), strict=True
-    ):
+    for joint, law, own in zip(JOINTS, model.laws, (toppling, at_knee, at_hip), strict=True):
         load = {"absolute": 1.0, "single_joint_critical": own, "mgh": toppling}[law.relative_to]
         joints.append(law.stiffness(given.get(joint), given.get(f"{joint}_stiffness"), load))
     return Person(height, mass, stratum, body, Stiffness._make(joints))
@@ -179,9 +177,7 @@ def outcome(model: Model, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
         "stable": verdict(body, stiffness, model.gravity),
         "safety_factor": safety_factor(body, stiffness, model.gravity),
     }
-    for joint, own, load, threshold in zip(
-        ("ankle", "knee", "hip"), stiffness, loads, critical, strict=True
-    ):
+    for joint, own, load, threshold in zip(JOINTS, stiffness, loads, critical, strict=True):
         xp = namespace(own, threshold)
         found[f"{joint}_stiffness"] = own
         found[f"{joint}_load"] = load

@@ -15,9 +15,10 @@ import numpy as np
 from standfast.population.answers import STANDING_SHARES, Answers
 from standfast.population.crowd import Crowd
 from standfast.population.drivers import Drivers
+from standfast.population.laws import JOINTS
 from standfast.population.simulation import KEPT, tally_shapes
 from standfast.population.study import PopulationStudy
-from standfast.population.tally import JOINTS, Tally, bmi_edges, height_edges
+from standfast.population.tally import Tally, bmi_edges, height_edges
 from standfast.quantities import PARAMETERS, QUANTITIES, STIFFNESS_UNIT, InputError
 from standfast.store import Workplace
 from standfast.store.atlas import opened

@@ -79,11 +79,8 @@ def simulate(
         if the disk does not take it; what is done stays and the same call goes on.
     """
     from standfast import __version__  # noqa: PLC0415 - the package imports this module
-    from standfast.population.report import (  # noqa: PLC0415 - imports h5py
-        open_population,
-        write_population,
-    )
-    from standfast.store import Workplace, tidy_up_after  # noqa: PLC0415 - imports h5py
+    from standfast.population.report import write_population  # noqa: PLC0415 - imports h5py
+    from standfast.store import Workplace  # noqa: PLC0415 - imports h5py
 
     output = Path(output)
     if threads is not None and threads < 1:
@@ -93,6 +90,8 @@ def simulate(
     people = study.read_people(strict=strict)
     if not output.exists():
         with Workplace.enter(output, study, __version__, part=part) as place:
+            if output.exists():  # another run finished it just before this one took the lock
+                return _already_there(output, study)
             crowd = crowd_of(study, people)
             missing = place.missing()
             if part is not None:
@@ -104,6 +103,14 @@ def simulate(
                 return None
             drivers = find_drivers(crowd, study.seed)
             place.finish(partial(write_population, place, crowd, drivers))
+    return _already_there(output, study)
+
+
+def _already_there(output: Path, study: PopulationStudy) -> "Population":
+    """Return the finished population of this very study; refuse any other."""
+    from standfast.population.report import open_population  # noqa: PLC0415 - imports h5py
+    from standfast.store import tidy_up_after  # noqa: PLC0415 - imports h5py
+
     found = open_population(output)
     if found.study.fingerprint != study.fingerprint:
         raise InputError(

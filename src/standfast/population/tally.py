@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from standfast.arithmetic import Scalar, namespace
+from standfast.population.laws import JOINTS
 from standfast.population.persons import Model, outcome, person_of
 from standfast.stability import verdict
 
@@ -25,7 +26,6 @@ HEIGHT_CLASSES = (1.55, 1.65, 1.75, 1.85)
 BMI_CLASSES = (18.5, 25.0, 30.0, 35.0, 40.0)
 HEIGHT_STEP, HEIGHT_BINS, HEIGHT_START = 0.025, 40, 1.2
 BMI_STEP, BMI_BINS, BMI_START = 0.5, 120, 10.0
-JOINTS = ("ankle", "knee", "hip")
 
 
 def bin_of(value: Scalar) -> Scalar:

@@ -21,3 +21,12 @@ def whole(study, tmp_path_factory):
     path = tmp_path_factory.mktemp("whole") / "atlas.h5"
     sf.sweep(study, path)
     return path, path.read_bytes()
+
+
+@pytest.fixture
+def begun(study, whole, tmp_path):
+    """A folder with all shards but no finished file."""
+    path = tmp_path / "a.h5"
+    for part in (1, 2):
+        sf.sweep(study, path, part=(part, 2))
+    return path

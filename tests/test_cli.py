@@ -237,9 +237,12 @@ def test_another_studys_output_is_refused(place, capsys):
     [
         (
             KeyboardInterrupt(),
-            "stopped; what is done is kept in study.h5.parts. To go on: standfast",
+            "stopped; shards that are done are kept in study.h5.parts. To go on: standfast",
         ),
-        (OSError(errno.ENOSPC, "No space left"), "the disk is full; what is done is kept in"),
+        (
+            OSError(errno.ENOSPC, "No space left"),
+            "the disk is full; shards that are done are kept in",
+        ),
     ],
 )
 def test_a_broken_off_run_says_how_to_go_on(place, capsys, monkeypatch, error, words):

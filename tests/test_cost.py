@@ -22,6 +22,8 @@ from standfast.population.crowd import crowd_of
 from standfast.population.tally import cell, places
 from standfast.stability import safety_factor, threshold_interval
 
+STARTING_IN_SINGLE_PRECISION = {"quick eigenvalues", "safety factor"}
+
 POINTS = 4096
 SLOW = ("custom-call", "while(", "scatter(", "gather(", "sort(")
 
@@ -80,6 +82,7 @@ def test_a_kernel_does_no_more_than_it_did(name):
     assert flops <= operations
     assert size <= accessed
     assert not [word for word in SLOW if word in text]
+    assert ("f32[" in text) == (name in STARTING_IN_SINGLE_PRECISION)
 
 
 @pytest.mark.parametrize(

@@ -123,6 +123,87 @@ def test_eigenvalues_and_verdicts_equal_lapack(grids):
     assert 50 < stable < 350
 
 
+QUICK = ["stiffness_reserve", "eigenvalue_3", "frequency", "eigenvalue_1", "eigenvalue_2"]
+# The grid scales the body again, by an ulp or two, on which small eigenvalues hang.
+QUICK_RTOL = 1e-10
+
+
+@pytest.mark.parametrize(
+    "quantities", [QUICK, ["eigenvalue_3"], ["growth_rate"], ["stiffness_reserve"]]
+)
+@pytest.mark.parametrize("side", [3, 5, 9, 70])
+def test_the_quick_way_equals_the_unbatched_functions(quantities, side):
+    """On last axes that fill no vector, soft enough to fall in every manner, some rigid."""
+    knees = [20.0, 300.0, 900.0, math.inf]
+    study = sf.Study.from_dict(
+        {
+            "gravity": 9.8,
+            "body": {"height": 1.7, "mass": 70.0},
+            "stiffness": {
+                "ankle": {"start": 1.0, "stop": 2500.0, "num": 61},
+                "knee": knees,
+                "hip": {"start": 2.0, "stop": 1500.0, "num": side},
+            },
+            "output": {"quantities": quantities},
+        }
+    )
+    body = sf.Body.from_height_mass(1.7, 70.0, "winter")
+    found = dict(zip(quantities, Evaluator(study)(study.tile(0, 0)), strict=True))
+    rng = np.random.default_rng(side)
+    for _ in range(200):
+        at = tuple(int(rng.integers(n)) for n in (61, 4, side))
+        stiffness = sf.Stiffness(*(study.axes[f"{joint}_stiffness"][i] for joint, i in
+                                   zip(("ankle", "knee", "hip"), at, strict=True)))  # fmt: skip
+        low, middle, high = sf.modes(body, stiffness, gravity=9.8).eigenvalues
+        exact = {
+            "stiffness_reserve": sf.stiffness_reserve(body, stiffness, 9.8),
+            "eigenvalue_1": low,
+            "eigenvalue_2": middle,
+            "eigenvalue_3": high,
+            "frequency": sf.frequency(low),
+            "growth_rate": sf.growth_rate(low),
+        }
+        for name, values in found.items():
+            assert values[at] == pytest.approx(exact[name], rel=QUICK_RTOL), (name, stiffness)
+
+
+@pytest.mark.parametrize("knee", [900.0, math.inf])
+@pytest.mark.parametrize("hip", [500.0, math.inf])
+@pytest.mark.parametrize("ankle", [1200.0, math.inf])
+def test_one_person_with_rigid_joints_gets_numbers(ankle, knee, hip):
+    """A study without axes, whose only point is in doubt."""
+    study = sf.Study.from_dict(
+        {
+            "gravity": 9.8,
+            "body": {"height": 1.7, "mass": 70.0},
+            "stiffness": {"ankle": ankle, "knee": knee, "hip": hip},
+            "output": {"quantities": ["eigenvalue_1", "eigenvalue_3", "stiffness_reserve"]},
+        }
+    )
+    person = (sf.Body.from_height_mass(1.7, 70.0, "winter"), sf.Stiffness(ankle, knee, hip), 9.8)
+    low, _, high = sf.modes(*person).eigenvalues
+    found = Evaluator(study)(study.tile(0, 0))
+    for ours, exact in zip(found, (low, high, sf.stiffness_reserve(*person)), strict=True):
+        assert float(ours) == pytest.approx(exact, rel=QUICK_RTOL)
+
+
+def test_the_only_point_of_a_study_may_be_in_doubt():
+    """Nobody holds anything: the third eigenvalue is a small rest of the sum."""
+    body = sf.Body.edwards2007()
+    study = sf.Study.from_dict(
+        {
+            "gravity": 9.8,
+            "body": {"model": "edwards2007", "height": 1.753, "mass": 75.3},
+            "stiffness": {"ankle": 1e-9, "knee": 1e-9, "hip": 1e-9},
+            "output": {"quantities": ["eigenvalue_3", "eigenvalue_1"]},
+        }
+    )
+    exact = sf.modes(body, sf.Stiffness(1e-9, 1e-9, 1e-9), gravity=9.8).eigenvalues
+    third, first = Evaluator(study)(study.tile(0, 0))
+    assert float(third) == pytest.approx(exact[2], rel=QUICK_RTOL)
+    assert float(first) == pytest.approx(exact[0], rel=QUICK_RTOL)
+
+
 def test_one_wrong_entry_of_c_would_be_noticed(grids):
     study, arrays = grids
     worst = 0.0

@@ -1,7 +1,6 @@
 """Making an atlas: the same bytes always, whole or not there, whatever is killed or damaged."""
 
 import contextlib
-import errno
 import itertools
 import json
 import os
@@ -124,15 +123,6 @@ def damaged(path: Path, how: str) -> None:
     path.write_bytes(content)
 
 
-@pytest.fixture
-def begun(study, whole, tmp_path):
-    """A folder with all shards but no finished file."""
-    path = tmp_path / "a.h5"
-    for part in (1, 2):
-        sf.sweep(study, path, part=(part, 2))
-    return path
-
-
 @pytest.mark.parametrize("how", ["torn", "emptied", "flipped", "flipped header", "longer"])
 def test_a_damaged_shard_is_detected_and_recomputed(study, whole, begun, how):
     folder = parts_of(begun)
@@ -213,61 +203,6 @@ def test_the_same_part_twice_is_refused(study, tmp_path):
     sf.sweep(study, path, part=(1, 3), announce=intrude)
 
 
-@pytest.fixture
-def small_disk(tmp_path):
-    """A file system of its own, of 120 MB."""
-    place = tmp_path / "disk"
-    place.mkdir()
-    mount = subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", "size=120m", "tmpfs", str(place)],
-        capture_output=True, check=False,
-    )  # fmt: skip
-    if mount.returncode != 0:
-        pytest.skip("may not mount a file system here")
-    yield place
-    subprocess.run(["umount", "-l", str(place)], check=True)
-
-
-def test_a_full_disk_is_one_error_and_can_be_resumed(study, whole, small_disk):
-    path = small_disk / "a.h5"
-    ballast = small_disk / "ballast"
-
-    def fill(forecast):
-        free = shutil.disk_usage(small_disk).free
-        ballast.write_bytes(b"x" * (free - 20_000_000))
-
-    with pytest.raises(OSError, match=r".") as caught:
-        sf.sweep(study, path, announce=fill)
-    assert caught.value.errno == errno.ENOSPC
-    assert not path.exists()
-    assert not list(parts_of(path).glob("*.partial"))
-    ballast.unlink()
-    sf.sweep(study, path)
-    assert path.read_bytes() == whole[1]
-
-
-def test_a_full_disk_at_the_very_end(study, whole, small_disk):
-    """Room for the shards but not for the finished file beside them."""
-    path = small_disk / "a.h5"
-    ballast = small_disk / "ballast"
-    sf.sweep(study, path, part=(1, 1))
-    free = shutil.disk_usage(small_disk).free
-    ballast.write_bytes(b"x" * (free - 10_000_000))
-    with pytest.raises(OSError, match="no space left") as caught:
-        sf.sweep(study, path)
-    assert caught.value.errno == errno.ENOSPC
-    assert not path.exists()
-    ballast.unlink()
-    sf.sweep(study, path)
-    assert path.read_bytes() == whole[1]
-
-
-def test_a_study_that_does_not_fit_the_disk_is_refused_with_the_numbers(study, small_disk):
-    (small_disk / "ballast").write_bytes(b"x" * 60_000_000)
-    with pytest.raises(sf.InputError, match=r"needs about .* MB of disk .* and .* MB are free"):
-        sf.sweep(study, small_disk / "a.h5")
-
-
 def test_a_study_of_one_shard_is_the_same_file_with_and_without_it(tmp_path):
     """A run writes its last shard into the file alone; a part leaves it as a shard."""
     study = sf.Study.from_dict(GOOD)
@@ -319,36 +254,6 @@ def test_the_lock_goes_with_the_process(study, whole, tmp_path):
         path.unlink()
     sf.sweep(study, path)
     assert path.read_bytes() == whole[1]
-
-
-def test_what_a_failed_finish_left_is_swept_away(study, whole, begun, monkeypatch):
-    """Also when there is room for the file only once the leftover is gone."""
-    folder = parts_of(begun)
-    for name in (".whole.partial", ".shard-000001.h5.99.partial"):
-        (folder / name).write_bytes(b"x" * 1000)
-    seen = []
-    require = workplace._require_room
-    monkeypatch.setattr(
-        workplace, "_require_room",
-        lambda place, size: seen.append(list(place.glob(".*.partial"))) or require(place, size),
-    )  # fmt: skip
-    sf.sweep(study, begun)
-    assert seen == [[]]
-    assert begun.read_bytes() == whole[1]
-
-
-def test_a_finish_that_fails_leaves_the_shards_and_no_partial(study, whole, begun, monkeypatch):
-    def fail(path):
-        raise OSError(errno.EIO, "the disk said no")
-
-    with monkeypatch.context() as patch:
-        patch.setattr(workplace, "sync_file", fail)
-        with pytest.raises(OSError, match="the disk said no"):
-            sf.sweep(study, begun)
-    assert not begun.exists()
-    assert not list(parts_of(begun).glob(".*.partial"))
-    sf.sweep(study, begun)
-    assert begun.read_bytes() == whole[1]
 
 
 @pytest.mark.parametrize("content", [b"", b"\xff\xfe", b"{}"])
@@ -420,7 +325,10 @@ def test_ctrl_c_is_one_sentence_and_exit_code_1(tmp_path):
         _, message = run.communicate(timeout=60)
         assert run.returncode == 1
         assert b"Traceback" not in message
-        assert b"stopped; what is done is kept in big.h5.parts. To go on: standfast" in message
+        assert (
+            b"stopped; shards that are done are kept in big.h5.parts. To go on: standfast"
+            in message
+        )
 
 
 def test_no_threads_gets_a_sentence(study, tmp_path):

@@ -10,11 +10,13 @@ import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import closing
 from dataclasses import dataclass
 from importlib.metadata import version as version_of
 from itertools import groupby, islice
 from operator import attrgetter
 from pathlib import Path
+from statistics import median
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -47,7 +49,7 @@ LAYOUT_BYTES = 40_000
 
 @dataclass(frozen=True, slots=True)
 class Forecast:
-    """What a run will take, estimated from some tiles of each group, once they are compiled."""
+    """What a run will take, estimated from some tiles of each group; compiling is not counted."""
 
     points: int
     disk_bytes: int
@@ -114,14 +116,15 @@ def sweep(
             missing = [number for number in missing if number % part[1] == part[0] - 1]
         run = _Run(study, missing, threads or os.cpu_count() or 1)
         if missing:
-            run.foresee(place, announce)
-        with contextlib.closing(run.packed(progress)) as computed:
+            run.foresee(place, announce, finishes=part is None)
+        with closing(run.packed(progress)) as computed:
             if part is not None:
                 for number in missing:
-                    deque(into_shard(place, number, _next(computed, study, number)), maxlen=0)
+                    with closing(into_shard(place, number, _next(computed, study, number))) as made:
+                        deque(made, maxlen=0)
                 return None
-            chunks = _all_chunks(place, missing, computed)
-            place.finish(lambda path: assemble(path, study, __version__, chunks))
+            with closing(_all_chunks(place, missing, computed)) as chunks:
+                place.finish(lambda path: assemble(path, study, __version__, chunks))
     with contextlib.suppress(OSError):  # the atlas is whole; its story is a courtesy
         seconds = time.perf_counter() - began
         _write_story(study, output, __version__, seconds, run)
@@ -143,15 +146,16 @@ def _already_there(study: Study, atlas: "Atlas") -> "Atlas":
 
 def _all_chunks(
     place: "Workplace[Study]", missing: list[int], computed: Iterator[Packed]
-) -> Iterator[Packed]:
+) -> Generator[Packed, None, None]:
     """Give the chunks of all shards in canonical order; what is computed is put into shards.
 
     The last goes into the file alone, which is about to be finished.
     """
     from standfast.store import into_shard, out_of_shard  # noqa: PLC0415 - imports h5py
 
+    to_compute = set(missing)
     for number in range(place.study.shard_count):
-        if number not in missing:
+        if number not in to_compute:
             yield from out_of_shard(place, number)
         elif number == missing[-1]:
             yield from computed
@@ -168,7 +172,7 @@ class _Run:
     """The tiles of the shards that are missing: foreseen, computed and compressed in threads."""
 
     def __init__(self, study: Study, missing: list[int], threads: int) -> None:
-        self.study, self.threads = study, threads
+        self.study, self.threads, self.shards = study, threads, len(missing)
         self.tiles = [tile for number in missing for tile in study.shard(number)]
         self.points = [_points(study, tile) for tile in self.tiles]
         self.total = sum(self.points)
@@ -180,12 +184,14 @@ class _Run:
         """Verdicts that exact arithmetic had to settle."""
         return 0 if self._evaluate is None else self._evaluate.settled
 
-    def foresee(self, place: "Workplace[Study]", announce: Announce | None) -> None:
-        """Compile everything, forecast what the run will take, and see whether it fits the disk."""
+    def foresee(
+        self, place: "Workplace[Study]", announce: Announce | None, *, finishes: bool
+    ) -> None:
+        """Forecast what the run will take, and see whether it fits the disk."""
         from standfast.engine import Evaluator  # noqa: PLC0415 - imports JAX
 
         self._evaluate = Evaluator(self.study)
-        forecast = self._forecast(place)
+        forecast = self._forecast(place, finishes=finishes)
         if forecast.disk_bytes > forecast.free_bytes:
             raise InputError(
                 f"the study needs about {in_bytes(forecast.disk_bytes)} of disk until it is "
@@ -201,7 +207,8 @@ class _Run:
         left = self._jobs()
         points = iter(self.points)
         done = 0
-        with ThreadPoolExecutor(self.threads) as pool:
+        pool = ThreadPoolExecutor(self.threads)
+        try:
             while True:
                 for tiles in islice(left, AHEAD * self.threads - len(waiting)):
                     waiting.append((tiles, pool.submit(self._pack_all, tiles)))
@@ -213,11 +220,14 @@ class _Run:
                     if progress is not None:
                         progress(done, self.total)
                     yield tile, packed
+        finally:
+            pool.shutdown(cancel_futures=True)
 
     def _jobs(self) -> Iterator[list[Tile]]:
         """Give the tiles that a thread takes at once."""
         for group, members in groupby(self.tiles, attrgetter("group")):
-            count = VERDICTS_TOGETHER if self.study.groups[group].tile_work == 1 else 1
+            verdicts = self.study.groups[group].quantities == ("stable",)
+            count = VERDICTS_TOGETHER if verdicts else 1
             while tiles := list(islice(members, count)):
                 yield tiles
 
@@ -235,27 +245,32 @@ class _Run:
             return tuple(compressed(array) for array in arrays)
         return tuple(np.asarray(array).tobytes() for array in arrays)
 
-    def _forecast(self, place: "Workplace[Study]") -> Forecast:
+    def _forecast(self, place: "Workplace[Study]", *, finishes: bool) -> Forecast:
         """Compute some tiles of each group, evenly spread, and take them for the rest."""
-        groups = [list(tiles) for _, tiles in groupby(self.tiles, attrgetter("group"))]
-        for first, *_ in groups:
-            self._known[first] = self._pack(first)  # compiles
         seconds = size = 0.0
         with ThreadPoolExecutor(self.threads) as pool:
-            for first, *rest in groups:
+            for _, members in groupby(self.tiles, attrgetter("group")):
+                first, *rest = members
+                self._known[first] = self._pack(first)  # compiles
                 count = len(rest)
                 wanted = min(MOST_SAMPLED, -(-count // SAMPLED_SHARE))
                 sample = [rest[(2 * i + 1) * count // (2 * wanted)] for i in range(wanted)]
-                began = time.perf_counter()
-                self._known |= zip(sample, pool.map(self._pack, sample), strict=True)
-                seconds += (time.perf_counter() - began) * count / max(wanted, 1)
+                # the median: one of them may compile what is for points in doubt
+                timed = [*pool.map(self._timed, sample)]
+                seconds += median(timed or [0.0]) * count / self.threads
                 sizes = [sum(map(len, self._known[tile])) for tile in (first, *sample)]
                 size += sum(sizes) / len(sizes) * (1 + count)
-        whole = size + place.stored_bytes + LAYOUT_BYTES
-        # all shards but the last computed are on the disk together with the file for a moment
-        shards = size + LAYOUT_BYTES * len(groups) if self.study.shard_count > 1 else 0
-        free = shutil.disk_usage(place.folder).free
-        return Forecast(self.total, int(whole + shards), seconds, free)
+        # all shards but the last that is computed lie beside the file until it is finished
+        made = self.shards - 1 if finishes else self.shards
+        disk = size * made / self.shards + LAYOUT_BYTES * made
+        if finishes:
+            disk += size + place.stored_bytes + LAYOUT_BYTES
+        return Forecast(self.total, int(disk), seconds, shutil.disk_usage(place.folder).free)
+
+    def _timed(self, tile: Tile) -> float:
+        began = time.perf_counter()
+        self._known[tile] = self._pack(tile)
+        return time.perf_counter() - began
 
 
 def _points(study: Study, tile: Tile) -> int:

@@ -77,12 +77,12 @@ def kept_when_stopped(output: Path) -> Iterator[None]:
         yield
     except KeyboardInterrupt:
         raise StoppedError(
-            f"stopped; what is done is kept in {output}.parts. To go on: {again}"
+            f"stopped; shards that are done are kept in {output}.parts. To go on: {again}"
         ) from None
     except OSError as error:
         if error.errno == errno.ENOSPC:
             raise StoppedError(
-                f"the disk is full; what is done is kept in {output}.parts. "
+                f"the disk is full; shards that are done are kept in {output}.parts. "
                 f"Make room, then go on: {again}"
             ) from None
         raise

@@ -1,9 +1,10 @@
 """Quantities that are numbers: one function of one person each, mapped over a group's axes.
 
-Eigenvalues have a quick way, which says itself where it is in doubt; there, at a few points in a
-hundred, the accurate way follows.
+Eigenvalues and the stiffness reserve have a quick way, which says itself where it is in doubt;
+there, at a few points in a hundred or at those with a rigid joint, the accurate way follows.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from functools import cache, lru_cache, partial
 from typing import Any
@@ -35,7 +36,7 @@ from standfast.modes import (
     ratio_to_ankle,
     sum_of_eigenvalues,
 )
-from standfast.study import Group, Study, Tile
+from standfast.study import JOINTS, Group, Study, Tile
 
 ModesOf = Callable[[], Modes]
 
@@ -80,24 +81,31 @@ def _accurately(quantities: tuple[str, ...], parameters: dict[str, Any]) -> tupl
     return tuple(FUNCTIONS[quantity](one, modes_of) for quantity in quantities)
 
 
-def _two_eigenvalues(_: tuple[str, ...], parameters: dict[str, Any]) -> Scalar:
-    """Return the two smaller eigenvalues of one person as a complex number; NaN if in doubt."""
-    low, middle, _, doubt = quick_eigenvalues(*person(parameters))
+def _two_eigenvalues(wanted: tuple[str, ...], parameters: dict[str, Any]) -> Scalar:
+    """Return the two smaller eigenvalues of one person as a complex number; NaN if in doubt.
+
+    The third is the rest of their sum: where it is smaller than they are, that is in doubt too.
+    """
+    low, middle, high, doubt = quick_eigenvalues(*person(parameters))
+    if "eigenvalue_3" in wanted:
+        doubt = doubt | (abs(low) + abs(middle) > abs(high))
     return lax.complex(jnp.where(doubt, jnp.nan, low), jnp.where(doubt, jnp.nan, middle))
 
 
 def _quickly(quantities: tuple[str, ...], parameters: dict[str, Any]) -> tuple[Scalar, ...]:
     """Return the quantities of one person, of eigenvalues the quick way: NaN if in doubt.
 
-    The third eigenvalue follows from the sum. XLA on processors makes a loop for each array that it
-    gives, and computes anew in each what they share: for several quantities the two others are
-    computed before, in one array.
+    XLA on processors makes a loop for each array that it gives, and computes anew in each what they
+    share: for several quantities two eigenvalues are computed before, in one array.
     """
     one = person(parameters)
-    two = parameters.get("two_eigenvalues")
-    if two is None:
-        two = _two_eigenvalues((), parameters)
-    quick = jnp.stack([two.real, two.imag, sum_of_eigenvalues(*one) - two.imag - two.real])
+    if "two_eigenvalues" in parameters:
+        two = parameters["two_eigenvalues"]
+        three = [two.real, two.imag, sum_of_eigenvalues(*one) - two.imag - two.real]
+    else:
+        *roots, in_doubt = quick_eigenvalues(*one)
+        three = [jnp.where(in_doubt, jnp.nan, root) for root in roots]
+    quick = jnp.stack(three)
 
     def value(quantity: str) -> Scalar:
         if quantity in OF_RESERVE:
@@ -125,8 +133,11 @@ class Values:
     def __init__(self, study: Study, group: Group, inputs: Inputs) -> None:
         self.group, self.inputs = group, inputs
         wanted = set(group.quantities)
-        self.quick = bool(wanted & (OF_EIGENVALUES | OF_RESERVE)) and not wanted & OF_SHAPES
-        self.in_two_steps = len(wanted & OF_EIGENVALUES) > 1
+        # with a rigid joint all is in doubt
+        rigid = any(study.fixed.get(joint) == math.inf for joint in JOINTS)
+        in_quick_way = wanted & (OF_EIGENVALUES | OF_RESERVE)
+        self.quick = bool(in_quick_way) and not (wanted & OF_SHAPES or rigid)
+        self.in_two_steps = self.quick and len(wanted & OF_EIGENVALUES) > 1
         # one quantity of each kind that may be in doubt
         self.doubtful = [
             next(i for i, name in enumerate(group.quantities) if name in kind)
@@ -148,8 +159,8 @@ class Values:
         )
         fixed, pieces = self.inputs.fixed, self.inputs.pieces(at)
         known = {}
-        if self.quick and self.in_two_steps:
-            two = _compiled(_two_eigenvalues, (), group.axes)(fixed, pieces, {})
+        if self.in_two_steps:
+            two = _compiled(_two_eigenvalues, group.quantities, group.axes)(fixed, pieces, {})
             known["two_eigenvalues"] = two
         found = self.on_grid(fixed, pieces, known)
         inside = tuple(slice(side) for side in group.chunk_shape)
@@ -162,7 +173,7 @@ class Values:
         for array, result in zip(values, results, strict=True):
             np.copyto(array, result)
         where = np.logical_or.reduce([np.isnan(result) for result in doubtful])
-        self._correct(values, np.nonzero(where), at)
+        self._correct(values, tuple(np.argwhere(where).T), at)
         return values
 
     def _correct(

@@ -24,6 +24,7 @@ from standfast.store import Workplace
 from standfast.store.atlas import opened
 from standfast.store.layout import LIBRARIES, said, say
 from standfast.store.shards import shard_content
+from standfast.store.workplace import failures_of_hdf5
 
 FORMAT = "standfast population"
 FORMAT_VERSION = 1
@@ -94,7 +95,7 @@ def write_population(
     study = place.study
     tallies = _replicates(place, crowd)
     answers = Answers(study, crowd, tallies, drivers)
-    with h5py.File(partial, "w", libver=LIBRARIES) as file:
+    with failures_of_hdf5(partial), h5py.File(partial, "w", libver=LIBRARIES) as file:
         say(file, "Conventions", "CF-1.11")
         say(file, "title", study.title)
         say(file, "format", FORMAT)

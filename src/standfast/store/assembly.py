@@ -2,7 +2,8 @@
 
 import errno
 from collections.abc import Iterable, Iterator
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from contextlib import closing
 from pathlib import Path
 
 import h5py
@@ -23,25 +24,29 @@ def assemble(path: Path, study: Study, version: str, packed: Iterable[Packed]) -
     OSError
         if the disk does not take the file, or it does not read back as it was written.
     """
-    # the disk is at work while the file grows and is read back
-    with ThreadPoolExecutor(1) as disk:
-        packed = into_atlas(path, study, version, packed)
-        written = _checksum(_synced_as_it_grows(path, packed, disk))
-        disk.submit(sync_file, path)
+    syncs: list[Future[None]] = []
+    with ThreadPoolExecutor(1) as disk, closing(into_atlas(path, study, version, packed)) as grown:
+        # the disk is at work while the file grows and is read back
+        written = _checksum(_synced_as_it_grows(path, grown, disk, syncs))
+        syncs.append(disk.submit(sync_file, path))
         with h5py.File(path, "r") as file:
             tiles = (tile for number in range(study.shard_count) for tile in study.shard(number))
             read_back = _checksum(read_chunks(file, study, tiles))
+        for sync in syncs:  # a failure is told once, and to the first who asks
+            sync.result()
     if read_back != written:
         raise OSError(errno.EIO, "the file does not read back as it was written", str(path))
 
 
-def _synced_as_it_grows(path: Path, packed: Iterable[Packed], disk: Executor) -> Iterator[Packed]:
-    """Hand chunks on, and let the disk take the file every now and then."""
+def _synced_as_it_grows(
+    path: Path, packed: Iterable[Packed], disk: Executor, syncs: list[Future[None]]
+) -> Iterator[Packed]:
+    """Hand chunks on, and let the disk take the file whenever it has taken the last part."""
     unsynced = 0
     for tile, chunks in packed:
         unsynced += sum(map(len, chunks))
-        if unsynced > SYNCED_BYTES:
-            disk.submit(sync_file, path)
+        if unsynced > SYNCED_BYTES and (not syncs or syncs[-1].done()):
+            syncs.append(disk.submit(sync_file, path))
             unsynced = 0
         yield tile, chunks
 

@@ -115,15 +115,13 @@ class Workplace(Generic[W]):
 
     @property
     def stored_bytes(self) -> int:
-        """Size of all shards that are there."""
-        return sum(path.stat().st_size for path in self.folder.glob("shard-*.h5"))
+        """Size of all shards that are there, as far as they are of this study."""
+        shards = (shard_path(self.folder, number) for number in range(self.study.shard_count))
+        return sum(path.stat().st_size for path in shards if path.is_file())
 
-    @contextlib.contextmanager
-    def shard(self, number: int) -> Iterator[Path]:
+    def shard(self, number: int) -> contextlib.AbstractContextManager[Path]:
         """Give the temporary file of a shard, which becomes the shard once the block ends."""
-        making = shard_in_making(self.folder, self.study, self.version, number)
-        with making as partial, _failures_of_hdf5(partial):
-            yield partial
+        return shard_in_making(self.folder, self.study, self.version, number)
 
     def write(self, number: int, content: bytes) -> None:
         """Write one shard whose content is at hand."""
@@ -142,14 +140,23 @@ class Workplace(Generic[W]):
         partial = self.folder / ".whole.partial"
         _require_room(self.folder, self.stored_bytes)
         try:
-            with _failures_of_hdf5(partial):
-                assemble(partial)
+            assemble(partial)
             sync_file(partial)
             partial.replace(self.target)
         finally:
             partial.unlink(missing_ok=True)
         sync_folder(self.target.parent)
         _tidy(self.folder)
+
+
+@contextlib.contextmanager
+def failures_of_hdf5(path: Path) -> Iterator[None]:
+    """Turn those of HDF5's failures to write that h5py gives as RuntimeError into OSError."""
+    try:
+        yield
+    except RuntimeError as error:
+        reason = str(error).splitlines()[0]
+        raise OSError(errno.EIO, f"HDF5 could not write ({reason})", str(path)) from None
 
 
 def beginnings(target: Path, kind: type[W]) -> tuple[W, int] | None:
@@ -241,18 +248,6 @@ def _alive(holder: str) -> str:
     except OSError:
         return ""
     return f" (process {holder.strip()})"
-
-
-@contextlib.contextmanager
-def _failures_of_hdf5(path: Path) -> Iterator[None]:
-    """Turn those of HDF5's failures that h5py gives as RuntimeError into OSError."""
-    try:
-        yield
-    except RuntimeError as error:
-        if type(error) is not RuntimeError:  # another library's, as XLA's are
-            raise
-        reason = str(error).splitlines()[0]
-        raise OSError(errno.EIO, f"HDF5 could not write ({reason})", str(path)) from None
 
 
 def _require_room(folder: Path, size: int) -> None:

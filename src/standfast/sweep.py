@@ -12,11 +12,9 @@ from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass
-from importlib.metadata import version as version_of
 from itertools import groupby, islice
 from operator import attrgetter
 from pathlib import Path
-from statistics import median
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -257,7 +255,7 @@ class _Run:
                 sample = [rest[(2 * i + 1) * count // (2 * wanted)] for i in range(wanted)]
                 # the median: one of them may compile what is for points in doubt
                 timed = [*pool.map(self._timed, sample)]
-                seconds += median(timed or [0.0]) * count / self.threads
+                seconds += float(np.median(timed or [0.0])) * count / self.threads
                 sizes = [sum(map(len, self._known[tile])) for tile in (first, *sample)]
                 size += sum(sizes) / len(sizes) * (1 + count)
         # all shards but the last that is computed lie beside the file until it is finished
@@ -287,6 +285,8 @@ def _points(study: Study, tile: Tile) -> int:
 
 def _write_story(study: Study, output: Path, version: str, seconds: float, run: "_Run") -> None:
     """Tell the run's story beside the file: what may differ from run to run."""
+    from importlib.metadata import version as version_of  # noqa: PLC0415 - a tenth of --help
+
     story = {
         "study": study.title,
         "study_sha256": study.fingerprint,

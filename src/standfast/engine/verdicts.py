@@ -61,9 +61,9 @@ class Verdicts:
         self.length = (*group.chunk_shape, 1)[self.axis]
         self.padded = self.length * -(-len(self.ankle) // self.length)
         self.ankle_values = self.ankle.tolist()
-        self.kind = np.uint8 if self.length < 2**8 else np.uint32
         behind = max(len(group.axes) - 1 - self.axis, 0)
-        self.steps = np.arange(self.length, dtype=self.kind).reshape(-1, *(1,) * behind)
+        kind = np.int16 if self.padded < 2**15 else np.int64
+        self.places = np.arange(self.padded, dtype=kind).reshape(-1, *(1,) * behind)
         self.shape = group.chunk_shape[: self.axis] + group.chunk_shape[self.axis + 1 :]
         self.memory = Recycled(group.chunk_shape, np.uint8)
         # the tiles of a study go through the thresholds again and again
@@ -81,15 +81,12 @@ class Verdicts:
         if found.lowest >= stop or found.highest <= start:
             one = np.uint8(found.highest <= start)
             return (np.broadcast_to(one, self.group.chunk_shape),)
-        # cut off first: then the difference fits the small integers it is made of
-        small = found.falling.dtype.type
-        falling = np.minimum(np.maximum(found.falling, small(start)), small(stop))
-        falling = np.subtract(falling, small(start)).astype(self.kind)
         stable = self.memory.take()
         out = stable.view(bool)
         if self.axis == len(self.group.axes):
             out = out[..., None]
-        np.greater_equal(self.steps, np.expand_dims(falling, self.axis), out=out)
+        falling = np.expand_dims(found.falling, self.axis)
+        np.greater_equal(self.places[start:stop], falling, out=out)
         return (stable,)
 
     def _thresholds(self, chunk: tuple[int, ...]) -> Thresholds:
@@ -130,9 +127,8 @@ class Verdicts:
         # what is repeated beyond the end of the ankle's axis is like its last value
         falling[falling == len(self.ankle)] = self.padded
         counted = np.sort(np.concatenate([*settled, np.empty(0, np.int64)]))
-        small = np.int16 if self.padded < 2**15 else np.int64
         lowest, highest = int(falling.min()), int(falling.max())
-        return Thresholds(falling.astype(small), lowest, highest, counted)
+        return Thresholds(falling.astype(self.places.dtype), lowest, highest, counted)
 
 
 @lru_cache(maxsize=64)

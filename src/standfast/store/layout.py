@@ -132,7 +132,10 @@ def _planes_of_noise(planes: np.ndarray) -> int:
     """Return how many of the lowest planes of bytes do not shrink; the lower the less they do."""
     if _shrinks(planes[0]):  # rounded numbers, or few different ones
         return 0
-    return next((n for n in range(len(planes) - 1, 0, -1) if not _shrinks(planes[n - 1])), 0)
+    noise = len(planes) - 1
+    while _shrinks(planes[noise - 1]):
+        noise -= 1
+    return noise
 
 
 def _shrinks(plane: np.ndarray) -> bool:

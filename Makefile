@@ -38,7 +38,7 @@ check: $(VENV)/check.stamp
 	$(MAKE) test
 
 bench: $(VENV)/bench.stamp
-	@for script in verdicts storing peers population growth startup report; do \
+	@for script in verdicts storing peers population growth startup tricks cost report; do \
 	  $(BIN)/python benchmarks/$$script.py || exit 1; done
 
 format: $(VENV)/check.stamp

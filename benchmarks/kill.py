@@ -81,8 +81,8 @@ quantities = ["critical_ankle_stiffness", "critical_hip_stiffness"]
 # Shards are made small, so that seconds of work have several.
 SHARD_WORK = 16
 RUN = (
-    "import sys; from standfast.study import plan; from standfast.cli import main; "
-    f"plan.SHARD_WORK = {SHARD_WORK}; sys.exit(main(sys.argv[1:]))"
+    "import sys; from standfast.study import grid; from standfast.cli import main; "
+    f"grid.SHARD_WORK = {SHARD_WORK}; sys.exit(main(sys.argv[1:]))"
 )
 
 

@@ -7,15 +7,19 @@ fraction unstable. Run as ``python benchmarks/population.py`` (about a minute).
 import math
 import os
 import threading
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 
 from harness import Demand, Report, Row, in_turn, ratio
 from standfast.population import PopulationStudy
-from standfast.population.crowd import crowd_of
-from standfast.population.simulation import _counted, tally_shapes
-from standfast.population.tally import Tally
+from standfast.population.cohort.cohort import Cohort, cohort_of
+from standfast.population.cohort.counting import Blocks, Counts, count_blocks, histogram_shapes
+from standfast.population.cohort.histograms import Histograms
+from standfast.population.simulation import TOGETHER
+from standfast.study.toml import read_toml
 
 SIZE = 10**8
 PLAIN_SIZE = 2**20
@@ -26,19 +30,20 @@ STUDY = Path(__file__).with_name("population.toml")
 def main() -> None:
     """Measure, check that the fractions agree, and write the report."""
     study = PopulationStudy.from_toml(STUDY)
-    crowd = crowd_of(study, None)
+    cohort = cohort_of(study, None)
     threads = os.cpu_count() or 1
     fractions: dict[str, tuple[float, int]] = {}
 
     def ours() -> None:
-        tally = Tally.empty(*tally_shapes(crowd))
-        for content in _counted(study, crowd, range(study.shard_count), threads, None):
-            tally.add(Tally.from_bytes(content, *tally_shapes(crowd)))
-        fractions["standfast"] = (tally.cells[..., 1].sum() / tally.cells.sum(), study.size)
+        together = Histograms.empty(*histogram_shapes(cohort))
+        for counts in _counted(study, cohort, threads):
+            together.add(counts.histograms)
+        classes = together.classes
+        fractions["standfast"] = (classes[..., 1].sum() / classes.sum(), study.size)
 
     def draw(first: int) -> None:
         for block in range(first, study.blocks_per_replicate, threads):
-            crowd.sampler.scores(0, block, study.block_size)
+            cohort.sampler.variates(0, block, study.block_size)
 
     def drawing() -> None:
         workers = [threading.Thread(target=draw, args=(i,)) for i in range(threads)]
@@ -102,12 +107,12 @@ def main() -> None:
             "Plain NumPy and OpenTURNS compute the fraction unstable alone, by thresholds.",
         ],
     )
-    detailed = PopulationStudy.from_dict(
-        {**_toml(), "population": {**_toml()["population"], "size": 2**20}}
-    )
+    content = read_toml(STUDY)
+    content["population"]["size"] = 2**20
+    detailed = PopulationStudy.from_dict(content)
 
     def with_details() -> None:
-        list(_counted(detailed, crowd, range(detailed.shard_count), threads, None))
+        list(_counted(detailed, cohort, threads))
 
     few = in_turn({"details": with_details}, 5)["details"]
     report.rows.insert(
@@ -116,10 +121,12 @@ def main() -> None:
     report.write(("openturns",))
 
 
-def _toml() -> dict:
-    from standfast.study.toml import read_toml  # noqa: PLC0415
-
-    return read_toml(STUDY)
+def _counted(study: PopulationStudy, cohort: Cohort, threads: int) -> Iterator[Counts]:
+    """Count all blocks in threads, as a simulation does it."""
+    blocks = range(study.blocks_per_replicate)
+    units = [Blocks(0, blocks[first:][:TOGETHER]) for first in blocks[::TOGETHER]]
+    with ThreadPoolExecutor(threads) as pool:
+        yield from pool.map(lambda unit: count_blocks(study, cohort, unit), units)
 
 
 def _plain(normal: np.ndarray, uniform: np.ndarray) -> float:

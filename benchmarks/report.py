@@ -9,7 +9,7 @@ from typing import Any
 from harness import RESULTS, ROOT
 from standfast import figures
 
-ORDER = ("verdicts", "storing", "peers", "population", "growth", "startup")
+ORDER = ("verdicts", "storing", "peers", "population", "growth", "startup", "tricks", "cost")
 HEAD = """# Benchmarks
 
 Made by `make bench` (under ten minutes on two cores); each script of `benchmarks/` answers one

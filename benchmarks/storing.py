@@ -14,8 +14,8 @@ import numpy as np
 
 import standfast as sf
 from harness import ROOT, Demand, Report, Row, in_turn, ratio
+from standfast.atlas.encoding import encoded
 from standfast.engine import Evaluator
-from standfast.store.layout import compressed
 from standfast.study import Tile
 
 ROUNDS = 3
@@ -70,7 +70,7 @@ def _sweeping(study: sf.Study, path: Path) -> Callable[[], None]:
 def _steps(study: sf.Study) -> dict[str, Callable[[], None]]:
     """Return the two dearest steps of a sweep of numbers, each alone on all cores."""
     evaluate = Evaluator(study)
-    tiles = [study.tile(0, number) for number in range(study.groups[0].tile_count)]
+    tiles = [study.grid.tile(0, number) for number in range(study.grid.groups[0].tile_count)]
     chunks = [np.array(chunk) for tile in tiles for chunk in evaluate(tile)]
 
     def computed(tile: Tile) -> None:
@@ -82,7 +82,7 @@ def _steps(study: sf.Study) -> dict[str, Callable[[], None]]:
 
     def compressing() -> None:
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            list(pool.map(compressed, chunks))
+            list(pool.map(encoded, chunks))
 
     return {"computing": computing, "compressing": compressing}
 
@@ -101,7 +101,7 @@ def _verdicts(folder: Path) -> Report:
     atlas = sf.sweep(study, folder / "whole.h5")
     assert atlas is not None  # noqa: S101 - no part was asked for
     array = np.asarray(atlas["stable"])
-    ways = _writers(folder, array, study.groups[0].chunk_shape)
+    ways = _writers(folder, array, study.grid.groups[0].chunk_shape)
     middle = len(study.axes["knee_stiffness"]) // 2
 
     def read_h5py() -> None:
@@ -188,7 +188,7 @@ def _floats(folder: Path, report: Report) -> None:
         array = np.stack([np.asarray(atlas[name]) for name in names])
         size = path.stat().st_size
         path.unlink()
-        ways = _writers(folder, array, (1, *study.groups[0].chunk_shape))
+        ways = _writers(folder, array, (1, *study.grid.groups[0].chunk_shape))
         del ways["gzip"]
         pair = {"sweep": _sweeping(study, path), "gzip and shuffle": ways.pop("gzip and shuffle")}
         seconds = in_turn(pair, ROUNDS) | in_turn({**_steps(study), **ways}, ROUNDS)

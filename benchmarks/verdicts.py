@@ -24,11 +24,11 @@ SIDE = 128
 def main() -> None:
     """Measure, and write the report."""
     study = sf.Study.from_toml(ROOT / "studies" / "billion.toml")
-    group = study.groups[0]
+    group = study.grid.groups[0]
     evaluate = Evaluator(study)
-    tiles = [study.tile(0, number) for number in range(group.tile_count)]
+    tiles = [study.grid.tile(0, number) for number in range(group.tile_count)]
     # only tiles with a limit of standing in them: the others are known without a comparison
-    crossed = [tile for tile in tiles if any(evaluate(tile)[0].strides)]
+    crossed = [tile for tile in tiles if evaluate.uniform(tile) is None]
     points = len(crossed) * int(np.prod(group.chunk_shape))
     big = np.zeros(BIG, np.uint8)
     small = [np.zeros(2 * 2**20, np.uint8) for _ in range(THREADS)]
@@ -105,7 +105,7 @@ def _alone(name: str) -> Row:
         }
     )
     evaluate = Evaluator(study)
-    tiles = [study.tile(0, number) for number in range(study.groups[0].tile_count)]
+    tiles = [study.grid.tile(0, number) for number in range(study.grid.groups[0].tile_count)]
     repeats = 1 if len(tiles) > 1 else 50
     seconds = in_turn({name: lambda: _compute(evaluate, tiles * repeats)}, 3)[name]
     return Row(name, seconds, study.points * repeats, "values")

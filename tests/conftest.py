@@ -1,5 +1,7 @@
 """Double precision for all tests, and one atlas of several shards for those of the store."""
 
+import os
+
 import jax
 import pytest
 
@@ -8,6 +10,8 @@ from studies import several_shards
 
 # The package touches no flag of JAX; a program that traces it asks for double precision itself.
 jax.config.update("jax_enable_x64", True)
+# Commands that the tests run neither use nor fill the user's cache of compiled programs.
+os.environ["STANDFAST_COMPILE_CACHE"] = "off"
 
 
 @pytest.fixture(scope="session")

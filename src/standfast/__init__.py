@@ -3,35 +3,52 @@
 The model runs in NumPy float64 and answers at once; JAX and h5py are imported by what needs them.
 """
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from standfast.body import BODY_MODELS, Body, Stiffness
-from standfast.dynamics import (
+from standfast.anthropometry import Body
+from standfast.errors import InputError
+from standfast.mechanics import (
+    Stiffness,
     inertia_matrix,
     joint_moments,
     kinetic_energy,
     potential_energy,
     stiffness_matrix,
 )
-from standfast.modes import Modes, frequency, growth_rate, modes
-from standfast.quantities import InputError
+from standfast.parameters import BODY_MODELS
 from standfast.stability import (
+    Modes,
     critical_stiffness,
     equal_rotation,
+    frequency,
+    growth_rate,
     is_stable,
+    modes,
     safety_factor,
     stability_determinant,
     stiffness_reserve,
     verdict_is_certain,
 )
 from standfast.study import Study
-from standfast.sweep import sweep
+from standfast.version import __version__
 
 if TYPE_CHECKING:
-    from standfast.population import PopulationStudy, simulate
-    from standfast.store import Atlas, open_atlas
+    from standfast.atlas import Atlas, open_atlas
+    from standfast.atlas.memory import compute
+    from standfast.atlas.sweeping import sweep
+    from standfast.population import PopulationStudy
+    from standfast.population.simulation import simulate
 
-__version__ = "0.1.0"
+# Where the names lie that need h5py or JAX, imported when they are first asked for.
+LAZY = {
+    "Atlas": "standfast.atlas",
+    "open_atlas": "standfast.atlas",
+    "compute": "standfast.atlas.memory",
+    "sweep": "standfast.atlas.sweeping",
+    "PopulationStudy": "standfast.population",
+    "simulate": "standfast.population.simulation",
+}
 
 __all__ = [
     "BODY_MODELS",
@@ -42,6 +59,8 @@ __all__ = [
     "PopulationStudy",
     "Stiffness",
     "Study",
+    "__version__",
+    "compute",
     "critical_stiffness",
     "equal_rotation",
     "frequency",
@@ -65,14 +84,8 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Import what needs h5py or JAX when it is first asked for."""
-    if name in ("Atlas", "open_atlas"):
-        from standfast import store  # noqa: PLC0415
-
-        return getattr(store, name)
-    if name in ("PopulationStudy", "simulate"):
-        from standfast import population  # noqa: PLC0415
-
-        return getattr(population, name)
+    if name in LAZY:
+        return getattr(import_module(LAZY[name]), name)
     raise AttributeError(f"module 'standfast' has no attribute {name!r}")
 
 

@@ -1,253 +1,268 @@
-"""The one table of parameters and quantities: names, symbols, units, meanings, allowed ranges.
+"""The one table of quantities: a row carries all that is known of one.
 
-Labels of figures, attributes of files, help texts and error messages are all taken from here, so a
-name or a unit is written once. The module also holds the border check: a value that a user gives
-is compared with its row, and the message names the parameter, the value and what would be right.
+Labels of figures, attributes of files, help texts, the axes of its grid and how the engine computes
+it come from the row. A new quantity is one function of a :class:`Person` and one row.
 """
 
-import difflib
-import math
-import numbers
-from collections.abc import Iterable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from fractions import Fraction
+from typing import Any, NamedTuple
 
-import numpy as np
+from standfast.anthropometry import Body, body_of
+from standfast.mechanics import Stiffness
+from standfast.numerics.arrays import Scalar, Vector
+from standfast.parameters import PARAMETERS, STIFFNESS_UNIT, STIFFNESSES, label
+from standfast.stability import (
+    critical_ankle_stiffness,
+    critical_hip_stiffness,
+    critical_knee_stiffness,
+    fast,
+    frequency,
+    growth_rate,
+    modes,
+    ratio_to_ankle,
+    safety_factor,
+    stability_determinant,
+    stiffness_reserve,
+    threshold_interval,
+    verdict,
+)
+from standfast.stability.exact import SCALING_ROUNDING, exact_threshold
 
 
-class InputError(ValueError):
-    """Something a user gave is wrong; the message is one sentence that says what would be right."""
+class Person(NamedTuple):
+    """One person, as the functions of the table are given them.
+
+    ``given`` holds all parameters by name; of ``stiffness`` a joint on which a quantity does not
+    depend is None.
+    """
+
+    body: Body
+    stiffness: Stiffness
+    gravity: Scalar
+    given: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, given: Mapping[str, Any]) -> "Person":
+        """Make a person from parameters by name, with a reference person as ``body_model``."""
+        stiffness = Stiffness._make(given.get(name) for name in STIFFNESSES)
+        return cls(body_of(given), stiffness, given["gravity"], given)
 
 
 @dataclass(frozen=True, slots=True)
-class Parameter:
-    """A number that a study or a call is given, with the range in which it makes sense."""
+class Step:
+    """Where along an axis a quantity that is 0 or 1 changes from 0 to 1.
 
-    name: str
-    symbol: str
-    unit: str
-    meaning: str
-    lowest: float
-    highest: float
-    or_rigid: bool = False  # inf is allowed too
+    Attributes
+    ----------
+    along
+        the parameter of that axis; the value is 1 where it lies above the place of the step.
+    interval
+        one person's place, and the ends between which the exact place lies.
+    exact
+        the exact place, of parameters by name; None if there is none.
+    """
 
-    @property
-    def label(self) -> str:
-        """Axis label of a figure: words, symbol and unit."""
-        return label(self.name.replace("_", " "), self.symbol, self.unit)
+    along: str
+    interval: Callable[[Person], Vector]
+    exact: Callable[[Mapping[str, Any]], Fraction | None]
 
-    @property
-    def allowed(self) -> str:
-        """The allowed range in words, with the unit."""
-        unit = "" if self.unit == "1" else f" {self.unit}"
-        rigid = ", or inf for a rigid joint" if self.or_rigid else ""
-        return f"{self.lowest:g} to {self.highest:g}{unit}{rigid}"
+
+def as_found(person: Person, found: Any) -> Scalar:
+    """Return what was found: the number itself."""
+    del person
+    return found
 
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A number that standfast computes for one person and one triple of joint stiffnesses."""
+    """A number that standfast computes for one person.
+
+    Attributes
+    ----------
+    reference
+        finds it for one person, or something of which ``pick`` takes it; quantities of one
+        ``reference`` share what it finds.
+    fast
+        a fast way to what ``reference`` finds: returns (found, uncertain), and what is uncertain is
+        asked of the reference; always so with a rigid joint. Quantities of one way share it.
+    without
+        parameters on which it does not depend.
+    flags
+        of a quantity of whole numbers: the meanings of 0, 1 and so on.
+    """
 
     name: str
     symbol: str
     unit: str
     meaning: str
+    reference: Callable[[Person], Any]
+    pick: Callable[[Person, Any], Scalar] = as_found
     dtype: str = "float64"
+    without: tuple[str, ...] = ()
+    fast: Callable[[Person], tuple[Any, Scalar]] | None = None
+    step: Step | None = None
+    flags: tuple[str, ...] = ()
 
     @property
     def label(self) -> str:
         """Axis label of a figure: words, symbol and unit."""
         return label(self.name.replace("_", " "), self.symbol, self.unit)
 
-
-def label(words: str, symbol: str, unit: str) -> str:
-    """Compose a figure label, for example ``Ankle stiffness $K_a$ (N·m/rad)``."""
-    head = words[0].upper() + words[1:]
-    parts = [head, f"${symbol}$" if symbol else "", "" if unit == "1" else f"({unit})"]
-    return " ".join(part for part in parts if part)
+    @property
+    def depends_on(self) -> tuple[str, ...]:
+        """Names of the parameters on which it depends."""
+        return tuple(name for name in PARAMETERS if name not in self.without)
 
 
-STIFFNESS_UNIT = "N·m/rad"
+def of_springs(
+    function: Callable[[Body, Stiffness, Scalar], Any],
+) -> Callable[[Person], Any]:
+    """Turn a function of body, stiffness and gravity into one of a person."""
+    return lambda person: function(person.body, person.stiffness, person.gravity)
 
-# Beyond all joints; up to here every accuracy that is promised has been measured.
-STIFFEST = 1e12
 
-# Heights and masses run from small children to the tallest and heaviest adults on record; gravity
-# from near weightlessness to well beyond a centrifuge. They catch centimetres and pounds in grams,
-# not unusual people.
-PARAMETERS = {
-    row.name: row
-    for row in (
-        Parameter(
-            "ankle_stiffness",
-            "K_a",
-            STIFFNESS_UNIT,
-            "rotational stiffness of both ankles together",
-            0.0,
-            STIFFEST,
-            or_rigid=True,
-        ),
-        Parameter(
-            "knee_stiffness",
-            "K_k",
-            STIFFNESS_UNIT,
-            "rotational stiffness of both knees together",
-            0.0,
-            STIFFEST,
-            or_rigid=True,
-        ),
-        Parameter(
-            "hip_stiffness",
-            "K_h",
-            STIFFNESS_UNIT,
-            "rotational stiffness of both hips together",
-            0.0,
-            STIFFEST,
-            or_rigid=True,
-        ),
-        Parameter("height", "H", "m", "standing height of the person", 0.5, 2.8),
-        Parameter("mass", "m", "kg", "mass of the whole body", 2.0, 700.0),
-        Parameter("bmi", "", "kg/m²", "body mass index, mass / height²", 5.0, 250.0),
-        Parameter("gravity", "g", "m/s²", "gravitational acceleration", 1e-3, 1e3),
-    )
-}
+modes_of = of_springs(modes)
+eigenvalues_of = of_springs(fast.fast_eigenvalues)
 
-STANDARD_GRAVITY = 9.80665
-
-# The parts of a body that is given segment by segment: shank, thigh, upper body.
-SEGMENT_PARAMETERS = {
-    row.name: row
-    for row in (
-        Parameter("segment_mass", "m", "kg", "mass of a segment, both legs", 1e-3, 700.0),
-        Parameter(
-            "segment_inertia", "I", "kg·m²", "inertia about its centre of mass", 1e-6, 1000.0
-        ),
-        Parameter("segment_length", "h", "m", "length of shank and thigh", 1e-2, 2.0),
-        Parameter("segment_com", "e", "m", "centre of mass above the lower end", 1e-3, 2.0),
-    )
-}
+STANDING = Step(
+    along="ankle_stiffness",
+    interval=lambda person: threshold_interval(
+        person.body,
+        person.stiffness.knee,
+        person.stiffness.hip,
+        person.gravity,
+        scaling=SCALING_ROUNDING,
+    ),
+    exact=exact_threshold,
+)
 
 QUANTITIES = {
     row.name: row
     for row in (
-        Quantity("stable", "", "1", "verdict: the person stands", "uint8"),
         Quantity(
-            "stability_determinant", r"\det C", "(N·m/rad)³", "determinant of the stiffness matrix"
+            "stable",
+            "",
+            "1",
+            "verdict: the person stands",
+            of_springs(verdict),
+            dtype="uint8",
+            step=STANDING,
+            flags=("unstable", "stable"),
+        ),
+        Quantity(
+            "stability_determinant",
+            r"\det C",
+            "(N·m/rad)³",
+            "determinant of the stiffness matrix",
+            of_springs(stability_determinant),
         ),
         Quantity(
             "critical_ankle_stiffness",
             r"K_{a,\mathrm{crit}}",
             STIFFNESS_UNIT,
             "ankle stiffness at which the person just stands, knee and hip as given",
+            lambda one: critical_ankle_stiffness(
+                one.body, one.stiffness.knee, one.stiffness.hip, one.gravity
+            ),
+            without=("ankle_stiffness",),
         ),
         Quantity(
             "critical_knee_stiffness",
             r"K_{k,\mathrm{crit}}",
             STIFFNESS_UNIT,
             "knee stiffness at which the person just stands, ankle and hip as given",
+            lambda one: critical_knee_stiffness(
+                one.body, one.stiffness.ankle, one.stiffness.hip, one.gravity
+            ),
+            without=("knee_stiffness",),
         ),
         Quantity(
             "critical_hip_stiffness",
             r"K_{h,\mathrm{crit}}",
             STIFFNESS_UNIT,
             "hip stiffness at which the person just stands, ankle and knee as given",
+            lambda one: critical_hip_stiffness(
+                one.body, one.stiffness.ankle, one.stiffness.knee, one.gravity
+            ),
+            without=("hip_stiffness",),
         ),
         Quantity(
             "stiffness_reserve",
             r"\lambda_{\min}(C)",
             STIFFNESS_UNIT,
             "what every joint could lose at once before the person falls",
+            of_springs(stiffness_reserve),
+            fast=of_springs(fast.fast_reserve),
         ),
         Quantity(
             "safety_factor",
             "s",
             "1",
             "factor by which all stiffnesses could be divided and the person just stand",
+            of_springs(safety_factor),
         ),
-        Quantity("eigenvalue_1", r"\lambda_1", "rad²/s²", "eigenvalue of the least stable mode"),
-        Quantity("eigenvalue_2", r"\lambda_2", "rad²/s²", "eigenvalue of the second mode"),
-        Quantity("eigenvalue_3", r"\lambda_3", "rad²/s²", "eigenvalue of the third mode"),
+        Quantity(
+            "eigenvalue_1",
+            r"\lambda_1",
+            "rad²/s²",
+            "eigenvalue of the least stable mode",
+            modes_of,
+            lambda _, found: found.eigenvalues[0],
+            fast=eigenvalues_of,
+        ),
+        Quantity(
+            "eigenvalue_2",
+            r"\lambda_2",
+            "rad²/s²",
+            "eigenvalue of the second mode",
+            modes_of,
+            lambda _, found: found.eigenvalues[1],
+            fast=eigenvalues_of,
+        ),
+        Quantity(
+            "eigenvalue_3",
+            r"\lambda_3",
+            "rad²/s²",
+            "eigenvalue of the third mode",
+            modes_of,
+            lambda _, found: found.eigenvalues[2],
+            fast=eigenvalues_of,
+        ),
         Quantity(
             "frequency",
             "f",
             "Hz",
             "frequency of the least stable mode, negative where the person falls",
+            modes_of,
+            lambda _, found: frequency(found.eigenvalues[0]),
+            fast=eigenvalues_of,
         ),
-        Quantity("growth_rate", r"\sigma", "1/s", "growth rate of the fall, 0 where stable"),
+        Quantity(
+            "growth_rate",
+            r"\sigma",
+            "1/s",
+            "growth rate of the fall, 0 where stable",
+            modes_of,
+            lambda _, found: growth_rate(found.eigenvalues[0]),
+            fast=eigenvalues_of,
+        ),
         Quantity(
             "hip_ankle_ratio",
             r"\theta_h/\theta_a",
             "1",
             "hip rotation per ankle rotation in the least stable mode",
+            modes_of,
+            lambda one, found: ratio_to_ankle("hip", one.stiffness, found),
         ),
         Quantity(
             "knee_ankle_ratio",
             r"\theta_k/\theta_a",
             "1",
             "knee rotation per ankle rotation in the least stable mode",
+            modes_of,
+            lambda one, found: ratio_to_ankle("knee", one.stiffness, found),
         ),
     )
 }
-
-
-# Words that are not near in letters to what they mean.
-SYNONYMS = {"weight": "mass", "size": "height", "length": "height", "g": "gravity"}
-
-
-def nearest_name(given: object, names: Iterable[str]) -> str:
-    """Return ``"; did you mean 'x'?"`` for a near miss, else an empty string."""
-    names = list(names)
-    if SYNONYMS.get(str(given)) in names:
-        return f"; did you mean {SYNONYMS[str(given)]!r}?"
-    close = difflib.get_close_matches(str(given), names, n=1, cutoff=0.5)
-    return f"; did you mean {close[0]!r}?" if close else ""
-
-
-def checked_number(name: str, value: Any, *, row: Parameter | None = None) -> float:
-    """Return ``value`` as a float if it lies in the range of the parameter ``name``.
-
-    ``name`` is what the message calls it; ``row`` is the table row when that differs.
-
-    Raises
-    ------
-    InputError
-        for text, a truth value, NaN, or a number outside the range of the table.
-    """
-    row = row or PARAMETERS[name]
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        value = value.item()
-    if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
-        kind = "text" if isinstance(value, str) else f"of type {type(value).__name__}"
-        raise InputError(f"{name} = {value!r} is {kind}; give a number, {row.allowed}")
-    try:
-        number = float(value)
-    except OverflowError:
-        raise InputError(f"{name} is an integer beyond all floats; give {row.allowed}") from None
-    if math.isnan(number):
-        raise InputError(f"{name} is NaN (not a number); give {row.allowed}")
-    if row.or_rigid and number == math.inf:
-        return number
-    if not row.lowest <= number <= row.highest:
-        raise InputError(
-            f"{name} = {number:g} is outside the allowed range, {row.allowed}{_likely(row, number)}"
-        )
-    return number
-
-
-def _likely(row: Parameter, number: float) -> str:
-    """Guess the slip of units behind a number out of range."""
-    for factor, unit in ((100.0, "centimetres"), (1000.0, "millimetres")):
-        if row.name == "height" and 1.0 <= number / factor <= row.highest:
-            return f"; {number:g} looks like {unit}, write {number / factor:g}"
-    if row.name == "mass" and row.lowest <= number / 1000.0 <= row.highest:
-        return f"; {number:g} looks like grams, write {number / 1000.0:g}"
-    return ""
-
-
-def in_bytes(size: float) -> str:
-    """Return a number of bytes as people read it, for example ``12.6 MB``."""
-    for unit in ("bytes", "kB", "MB", "GB"):
-        if size < 1000.0:
-            return f"{size:.3g} {unit}"
-        size /= 1000.0
-    return f"{size:.3g} TB"

@@ -1,5 +1,8 @@
-"""The command line: the only part that prints, exits or sets the environment."""
+"""The command line: one file a command; the only part that prints, exits or sets the environment.
 
-from standfast.cli.commands import main, run
+:mod:`.app` reads the words and runs a command; :mod:`.running` is what commands that compute share.
+"""
+
+from standfast.cli.app import main, run
 
 __all__ = ["main", "run"]

@@ -1,11 +1,7 @@
-"""What all commands share: how they are declared, and what a run that is stopped says."""
+"""What all commands share: how they are declared, and how their words are read."""
 
 import argparse
-import contextlib
-import errno
-import shlex
-import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +11,15 @@ class StoppedError(Exception):
 
 
 def add_command(
-    commands: Any, name: str, run: Callable[[argparse.Namespace], None], summary: str, example: str
+    commands: Any,
+    name: str,
+    run: Callable[[argparse.Namespace], None],
+    summary: str,
+    example: str,
+    *,
+    compiles: bool = False,
 ) -> argparse.ArgumentParser:
-    """Declare a command with an example in its help."""
+    """Declare a command with an example in its help; ``compiles``: it runs programs of JAX."""
     parser: argparse.ArgumentParser = commands.add_parser(
         name,
         help=summary,
@@ -25,26 +27,24 @@ def add_command(
         epilog=f"example: standfast {name} {example}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, compiles=compiles)
     return parser
 
 
-def add_run_options(parser: argparse.ArgumentParser, work: str) -> None:
-    """Declare the options of a run that is done in shards."""
+def add_folder_option(parser: argparse.ArgumentParser) -> None:
+    """Declare the folder that results go to."""
     parser.add_argument(
-        "-o", "--output", type=Path, metavar="FILE.h5", help="default: the study's name with .h5"
+        "-o", "--output", type=Path, default=Path(), metavar="FOLDER", help="default: this folder"
     )
+
+
+def add_format_option(parser: argparse.ArgumentParser, of_what: str = "") -> None:
+    """Declare the formats of figures."""
     parser.add_argument(
-        "--part",
-        type=share_of_work,
-        metavar="i/N",
-        help="compute the i-th of N shares only, for array jobs; a later call finishes",
-    )
-    parser.add_argument(
-        "--threads",
-        type=number_of_threads,
-        metavar="N",
-        help=f"threads that {work} (default: all cores)",
+        "--format",
+        action="append",
+        choices=("png", "svg", "pdf"),
+        help=f"{of_what}may be given more than once (default: png)",
     )
 
 
@@ -67,22 +67,3 @@ def made_folder(path: Path) -> Path:
     """Return a folder for results, made if need be."""
     path.mkdir(parents=True, exist_ok=True)
     return path
-
-
-@contextlib.contextmanager
-def kept_when_stopped(output: Path) -> Iterator[None]:
-    """Say of a run that is interrupted, or whose disk fills up, what is kept and how to go on."""
-    again = "standfast " + " ".join(shlex.quote(word) for word in sys.argv[1:])
-    try:
-        yield
-    except KeyboardInterrupt:
-        raise StoppedError(
-            f"stopped; shards that are done are kept in {output}.parts. To go on: {again}"
-        ) from None
-    except OSError as error:
-        if error.errno == errno.ENOSPC:
-            raise StoppedError(
-                f"the disk is full; shards that are done are kept in {output}.parts. "
-                f"Make room, then go on: {again}"
-            ) from None
-        raise

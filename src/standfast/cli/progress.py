@@ -1,4 +1,4 @@
-"""How a long sweep shows that it lives: a forecast, then a bar, or plain lines off the terminal."""
+"""How a long run shows that it lives: an estimate, then a bar, or plain lines off the terminal."""
 
 import contextlib
 import signal
@@ -7,14 +7,15 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from standfast.files import in_bytes
+from standfast.run import Estimate
 
-from standfast.quantities import in_bytes
-
-# A run that ends sooner needs neither a forecast nor a bar.
-WORTH_A_FORECAST = 5.0  # s
+# A run that ends sooner needs neither an estimate nor a line.
+WORTH_A_LINE = 5.0  # s
 PLAIN_STEPS = 10
+
+ShowProgress = Callable[[int, int], None]  # done, total
+Display = tuple[Callable[[str], None], Callable[[int, int, float], None]]  # the same, and seconds
 
 
 @contextlib.contextmanager
@@ -44,53 +45,62 @@ def interruptible() -> Iterator[Callable[[], None]]:
 
 
 @contextlib.contextmanager
-def progress_bar(
-    what: str = "values",
-) -> Iterator[tuple[Callable[[Any], None], Callable[[int, int], None]]]:
-    """Give a forecast and a bar on a terminal, plain lines elsewhere."""
-    console = Console(stderr=True)
-
+def progress_bar(what: str) -> Iterator[tuple[Callable[[Estimate], None], ShowProgress]]:
+    """Show an estimate and a bar on a terminal, plain lines elsewhere; ``what`` is counted."""
+    on_terminal = sys.stderr is not None and sys.stderr.isatty()
     began = time.monotonic()
+    with _bar(what) if on_terminal else _plain_lines(what) as (print_line, show):
 
-    def announce(forecast: Any) -> None:
-        nonlocal began
-        began = time.monotonic()  # what was before was compiling
-        if forecast.seconds >= WORTH_A_FORECAST:
-            console.print(
-                f"{forecast.points:,} values to compute, about {in_bytes(forecast.disk_bytes)} on "
-                f"disk until it is finished ({in_bytes(forecast.free_bytes)} free), "
-                f"about {forecast.seconds:.0f} s",
-                highlight=False,
-            )
-
-    if not console.is_terminal:
-        last = 0
-
-        def line(done: int, total: int) -> None:
-            nonlocal last
-            elapsed = time.monotonic() - began
-            if done * PLAIN_STEPS // total > last and elapsed > WORTH_A_FORECAST:
-                last = done * PLAIN_STEPS // total
-                rate = done / elapsed
-                left = (total - done) / rate
-                print(
-                    f"{100 * done // total} %, {rate:.3g} {what}/s, {left:.0f} s left",
-                    file=sys.stderr,
+        def show_estimate(estimate: Estimate) -> None:
+            nonlocal began
+            began = time.monotonic()  # what was before was compiling
+            if estimate.seconds >= WORTH_A_LINE:
+                print_line(
+                    f"{estimate.points:,} {what} to compute, about "
+                    f"{in_bytes(estimate.disk_bytes)} on disk until it is finished "
+                    f"({in_bytes(estimate.free_bytes)} free), about {estimate.seconds:.0f} s"
                 )
 
-        yield announce, line
-        return
+        def show_progress(done: int, total: int) -> None:
+            show(done, total, max(time.monotonic() - began, 1e-9))
+
+        yield show_estimate, show_progress
+
+
+@contextlib.contextmanager
+def _bar(what: str) -> Iterator[Display]:
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
     columns = (
         BarColumn(),
         TextColumn("{task.percentage:3.0f} %"),
         TextColumn("{task.fields[rate]}"),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=console, transient=True) as bar:
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("", total=None, rate="compiling")
 
-        def advance(done: int, total: int) -> None:
-            rate = done / max(time.monotonic() - began, 1e-9)
-            bar.update(task, completed=done, total=total, rate=f"{rate:.3g} {what}/s")
+        def show(done: int, total: int, seconds: float) -> None:
+            rate = f"{done / seconds:.3g} {what}/s"
+            bar.update(task, completed=done, total=total, rate=rate)
 
-        yield announce, advance
+        yield lambda text: bar.console.print(text, highlight=False), show
+
+
+@contextlib.contextmanager
+def _plain_lines(what: str) -> Iterator[Display]:
+    last = 0
+
+    def print_line(text: str) -> None:
+        print(text, file=sys.stderr)
+
+    def show(done: int, total: int, seconds: float) -> None:
+        nonlocal last
+        if done * PLAIN_STEPS // total > last and seconds > WORTH_A_LINE:
+            last = done * PLAIN_STEPS // total
+            rate = done / seconds
+            left = (total - done) / rate
+            print_line(f"{100 * done // total} %, {rate:.3g} {what}/s, {left:.0f} s left")
+
+    yield print_line, show

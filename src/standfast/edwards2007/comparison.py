@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from standfast.body import Body
+from standfast.anthropometry import Body
 from standfast.edwards2007.published import INPUT_ROUNDING, PUBLISHED, PublishedNumber
+from standfast.files import whole_file
 
 AGREES, WITHIN_ROUNDING, NOT_REPRODUCED = "agrees", "within rounding", "not reproduced"
 
@@ -161,8 +162,7 @@ def write_tables(comparisons: list[Comparison], folder: Path) -> list[Path]:
         ("comparison.csv", as_csv(comparisons)),
     ):
         path = folder / name
-        partial = path.with_name(f".{name}.partial")
-        partial.write_text(text, encoding="utf-8")
-        partial.replace(path)
+        with whole_file(path) as partial:
+            partial.write_text(text, encoding="utf-8")
         paths.append(path)
     return paths

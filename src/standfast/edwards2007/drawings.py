@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from standfast import figures
-from standfast.body import Body, Stiffness
-from standfast.dynamics import segment_angles
+from standfast.anthropometry import Body
 from standfast.edwards2007.published import (
     FIGURE_2_ANKLE,
     FIGURE_2_HIPS,
@@ -23,11 +22,12 @@ from standfast.edwards2007.published import (
     angular_frequency,
     figure_5,
 )
-from standfast.modes import modes
+from standfast.mechanics import Stiffness, segment_angles
 from standfast.stability import (
     critical_ankle_stiffness,
     critical_hip_stiffness,
     equal_rotation,
+    modes,
 )
 
 # Where the drawn upper body ends: top of the head of a person of 1.753 m whose ankle is 0.039 of
@@ -109,13 +109,11 @@ def neutral_contour(body: Body, knee: float, limit: float) -> tuple[np.ndarray, 
     Points are taken at even steps of both stiffnesses, so that both steep ends are smooth.
     """
     steps = np.linspace(0.0, limit, 401)
-    points = [
-        *((ankle, float(critical_hip_stiffness(body, ankle, knee, GRAVITY))) for ankle in steps),
-        *((float(critical_ankle_stiffness(body, knee, hip, GRAVITY)), hip) for hip in steps),
-    ]
-    inside = sorted(point for point in points if max(point) <= limit)
-    ankle, hip = np.array(inside).reshape(-1, 2).T
-    return ankle, hip
+    ankle = np.concatenate([steps, critical_ankle_stiffness(body, knee, steps, GRAVITY)])
+    hip = np.concatenate([critical_hip_stiffness(body, steps, knee, GRAVITY), steps])
+    inside = np.maximum(ankle, hip) <= limit
+    order = np.lexsort((hip[inside], ankle[inside]))
+    return ankle[inside][order], hip[inside][order]
 
 
 def draw_figure_4(body: Body, folder: Path) -> list[Path]:

@@ -12,13 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from standfast.body import REFERENCE_PEOPLE, Body, Stiffness, rescaled
-from standfast.dynamics import inertia_matrix
-from standfast.modes import frequency, modes
+from standfast.anthropometry import REFERENCE_PEOPLE, Body, body_of
+from standfast.mechanics import Stiffness, inertia_matrix
 from standfast.stability import (
     critical_ankle_stiffness,
     critical_hip_stiffness,
     critical_knee_stiffness,
+    frequency,
+    modes,
 )
 
 GRAVITY = 9.8  # m/s²
@@ -104,8 +105,8 @@ def angular_frequency(body: Body, stiffness: Stiffness, mode: int = 0) -> float:
 
 def person(body: Body, height: float, bmi: float) -> Body:
     """Return the nominal body scaled to another height (m) and body mass index (kg/m²)."""
-    nominal = REFERENCE_PEOPLE["edwards2007"]
-    return rescaled(body, height / nominal.height, bmi * height**2 / nominal.mass)
+    nominal = REFERENCE_PEOPLE["edwards2007"]._replace(body=body)
+    return body_of({"body_model": nominal, "height": height, "bmi": bmi})
 
 
 def figure_5(body: Body, bmi: np.ndarray = FIGURE_5_BMI) -> np.ndarray:

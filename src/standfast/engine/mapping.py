@@ -5,15 +5,13 @@ from functools import lru_cache
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
-from standfast.arithmetic import Scalar
-from standfast.body import REFERENCE_PEOPLE, Body, Stiffness, rescaled
-from standfast.study import JOINTS, Study
+from standfast.anthropometry import REFERENCE_PEOPLE
+from standfast.numerics.arrays import Scalar
+from standfast.parameters import PARAMETERS
+from standfast.study import Study
 
-# One person with stiffness and gravity.
-Person = tuple[Body, Stiffness, Scalar]
 OfOne = Callable[[dict[str, Any]], Any]
 
 # Without it XLA uses half of the vector registers that many processors have.
@@ -21,25 +19,24 @@ COMPILER_OPTIONS = {"xla_cpu_prefer_vector_width": 512}
 VECTOR = 8  # float64 in such a register
 
 
-def over_axes(function: OfOne, axes: tuple[str, ...]) -> Callable[..., Any]:
+def map_over_grid(function: OfOne, axes: tuple[str, ...]) -> Callable[..., Any]:
     """Compile a function of one person's parameters over the grid of some of them.
 
-    The result takes the parameters that are fixed, the pieces of the axes, and what is known of
-    each point of the grid, all by name; the last axis is fastest. It is mapped one axis at a time,
-    so that each intermediate result is computed on its own axes alone: gravity loads on those of
-    the body, and so on.
+    The result takes the parameters that are fixed and the pieces of the axes, by name; the last
+    axis is fastest. It is mapped one axis at a time, so that each intermediate result is computed
+    on its own axes alone: gravity loads on those of the body, and so on.
     """
 
-    def of_all(fixed: dict[str, Any], varying: dict[str, Any], known: dict[str, Any]) -> Any:
-        return function({**fixed, **varying, **known})
+    def of_all(fixed: dict[str, Any], varying: dict[str, Any]) -> Any:
+        return function({**fixed, **varying})
 
     for mapped in reversed(axes):
         along = {name: 0 if name == mapped else None for name in axes}
-        of_all = jax.vmap(of_all, in_axes=(None, along, 0))
+        of_all = jax.vmap(of_all, in_axes=(None, along))
     return compiled(of_all)
 
 
-def over_points(function: OfOne) -> Callable[..., Any]:
+def map_over_points(function: OfOne) -> Callable[..., Any]:
     """Compile a function of one person's parameters over points, whose parameters all vary."""
     return compiled(
         jax.vmap(lambda fixed, varying: function({**fixed, **varying}), in_axes=(None, 0))
@@ -47,7 +44,7 @@ def over_points(function: OfOne) -> Callable[..., Any]:
 
 
 @lru_cache(maxsize=32)
-def over_persons(
+def map_over_batch(
     function: Callable[[Any, dict[str, Scalar]], dict[str, Scalar]],
     model: Hashable,
     names: tuple[str, ...],
@@ -76,25 +73,21 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     return jax.jit(function, compiler_options=options)
 
 
-def person(parameters: Mapping[str, Any]) -> Person:
-    """Make one person, with stiffness and gravity, from the inputs of parameters by name."""
-    body, reference_height, reference_mass = parameters["body_model"]
-    height = parameters["height"]
-    mass = parameters["mass"] if "mass" in parameters else parameters["bmi"] * height**2
-    # a threshold is asked without its own joint, whose stiffness then does not enter
-    stiffness = Stiffness._make(parameters.get(joint, jnp.nan) for joint in JOINTS)
-    scaled = rescaled(Body._make(body), height / reference_height, mass / reference_mass)
-    return scaled, stiffness, parameters["gravity"]
-
-
 class Inputs:
-    """The parameters of a study as :func:`person` takes them: fixed ones, and along the axes."""
+    """The parameters of a study as functions of a person take them: fixed, and along the axes.
+
+    ``plainly`` holds those that are fixed as the study says them.
+    """
 
     def __init__(self, study: Study) -> None:
         self.along = {name: _along(name, values) for name, values in study.axes.items()}
+        unwritten = {row.name: row.default for row in PARAMETERS.values() if row.unwritten}
+        self.plainly = {
+            k: v for k, v in {**unwritten, **study.fixed}.items() if k not in self.along
+        }
         self.fixed = {
             name: jax.tree.map(lambda leaf: leaf[0], _along(name, np.array([value])))
-            for name, value in study.fixed.items()
+            for name, value in self.plainly.items()
         }
 
     def pieces(self, places: Mapping[str, np.ndarray]) -> dict[str, Any]:
@@ -110,11 +103,7 @@ def _along(name: str, values: np.ndarray) -> Any:
     if name != "body_model":
         return values
     people = [REFERENCE_PEOPLE[model] for model in values]
-    return (
-        tuple(np.stack(leaves) for leaves in zip(*(one.body for one in people), strict=True)),
-        np.array([one.height for one in people]),
-        np.array([one.mass for one in people]),
-    )
+    return jax.tree.map(lambda *leaves: np.stack(leaves), *people)
 
 
 def along_axis(start: int, length: int, count: int) -> np.ndarray:

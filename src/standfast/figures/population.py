@@ -8,7 +8,8 @@ from matplotlib.collections import QuadMesh
 from matplotlib.ticker import PercentFormatter
 
 from standfast.figures.style import BLUE, GREY, LINE_STYLES, VERMILION
-from standfast.quantities import PARAMETERS, QUANTITIES
+from standfast.parameters import PARAMETERS
+from standfast.quantities import QUANTITIES
 
 Interval = tuple[float, float, float]  # value, low, high
 

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 
 from standfast.figures.style import BLUE, GREY, LINE_STYLES, VERMILION, remark
-from standfast.quantities import PARAMETERS
+from standfast.parameters import PARAMETERS
 
 
 def root_locus(ax: Axes, hip_stiffness: np.ndarray, roots: np.ndarray) -> Axes:

@@ -9,6 +9,8 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from standfast.files import whole_file
+
 COLUMN = 3.5  # width of a journal column, inches
 BLUE, VERMILION, GREY = "#0072B2", "#D55E00", "#595959"
 LINE_STYLES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
@@ -63,9 +65,8 @@ def save(figure: Figure, stem: Path, formats: Sequence[str] = ("png", "svg")) ->
     paths = []
     for suffix in formats:
         path = stem.with_name(f"{stem.name}.{suffix}")
-        partial = path.with_name(f".{path.name}.partial")
-        figure.savefig(partial, format=suffix, metadata=NO_CLOCK[suffix])
-        partial.replace(path)
+        with whole_file(path) as partial:
+            figure.savefig(partial, format=suffix, metadata=NO_CLOCK[suffix])
         paths.append(path)
     return paths
 

@@ -9,17 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from standfast.arithmetic import Scalar
-from standfast.body import REFERENCE_PEOPLE, Stiffness, rescaled
-from standfast.dynamics import joint_gravity
-from standfast.engine import over_persons
-from standfast.modes import frequency, modes, ratio_to_ankle
-from standfast.population.laws import JOINTS
-from standfast.population.people import People
+from standfast.anthropometry import REFERENCE_PEOPLE, body_of
+from standfast.engine import map_over_batch
+from standfast.files import whole_file
+from standfast.mechanics import Stiffness, joint_gravity
+from standfast.numerics.arrays import Scalar
+from standfast.parameters import JOINTS, STIFFNESSES
+from standfast.population.people.records import People
 from standfast.stability import (
-    critical_ankle_stiffness,
-    critical_hip_stiffness,
-    critical_knee_stiffness,
+    critical_stiffness,
+    frequency,
+    modes,
+    ratio_to_ankle,
     safety_factor,
     stiffness_reserve,
     verdict,
@@ -81,30 +82,27 @@ def assess(
     are, safety factor, reserve, frequency, strategy, and what each joint would have to gain.
     """
     known = {
-        f"{joint}_stiffness": _known(people, joint, (otherwise or {}).get(joint, math.nan))
-        for joint in JOINTS
+        joint: _known(people, joint, (otherwise or {}).get(joint, math.nan)) for joint in JOINTS
     }
     given = np.array([people.height, people.mass, *known.values()])
     setting = Setting(body_model, float(gravity))
-    found = over_persons(_of_one, setting, ("height", "mass", *known))(given)
-    ankle, knee, hip = (np.isfinite(values) | np.isinf(values) for values in known.values())
-    everything = ankle & knee & hip
+    found = map_over_batch(_of_one, setting, ("height", "mass", *STIFFNESSES))(given)
+    told = {joint: ~np.isnan(values) for joint, values in known.items()}
+    everything = told["ankle"] & told["knee"] & told["hip"]
     columns: dict[str, np.ndarray] = {
         "id": np.array(people.id, object),
         "height_m": people.height,
         "mass_kg": people.mass,
         "sex": np.array([sex if sex != "unknown" else "" for sex in people.sex], object),
         "age": people.age,
-        **{f"{name}_Nm_rad": values for name, values in known.items()},
+        **{f"{joint}_stiffness_Nm_rad": values for joint, values in known.items()},
+        **{f"{joint}_threshold_alone_Nm_rad": found[f"{joint}_alone"] for joint in JOINTS},
     }
     for joint in JOINTS:
-        columns[f"{joint}_threshold_alone_Nm_rad"] = found[f"{joint}_alone"]
-    for joint, others in zip(JOINTS, (knee & hip, ankle & hip, ankle & knee), strict=True):
-        columns[f"{joint}_threshold_Nm_rad"] = np.where(
-            others, found[f"critical_{joint}_stiffness"], math.nan
-        )
-    stands = np.where(found["stable"], "yes", "no")
-    columns["stands"] = np.where(everything, stands, "")
+        others = np.all([told[other] for other in JOINTS if other != joint], axis=0)
+        threshold = np.where(others, found[f"critical_{joint}_stiffness"], math.nan)
+        columns[f"{joint}_threshold_Nm_rad"] = threshold
+    columns["stands"] = np.where(everything, np.where(found["stable"], "yes", "no"), "")
     for name, column in (
         ("safety_factor", "safety_factor"),
         ("stiffness_reserve", "stiffness_reserve_Nm_rad"),
@@ -113,53 +111,54 @@ def assess(
         columns[column] = np.where(everything, found[name], math.nan)
     hips_turn_more = np.abs(found["hip_ankle_ratio"]) > 1.0
     columns["strategy"] = np.where(everything, np.where(hips_turn_more, "hip", "ankle"), "")
+    return Assessment(people, columns | _gains(known, columns))
+
+
+def _gains(
+    known: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """Return what each joint would have to gain so that the person stands, and the least of it."""
+    falls, stands = columns["stands"] == "no", columns["stands"] == "yes"
     gains = {}
-    for joint in JOINTS:
-        own, threshold = known[f"{joint}_stiffness"], columns[f"{joint}_threshold_Nm_rad"]
+    for joint, own in known.items():
         # what is rigid cannot gain, and where no stiffness suffices no gain does
         with np.errstate(invalid="ignore"):
-            gain = np.where(np.isinf(own), math.inf, threshold - own)
-        gain = np.where(columns["stands"] == "no", gain, np.where(everything, 0.0, math.nan))
-        columns[f"{joint}_gain_needed_Nm_rad"] = gains[joint] = gain
-    all_gains = np.array(list(gains.values()))
-    possible = (columns["stands"] == "no") & np.isfinite(all_gains).any(axis=0)
-    best = np.argmin(np.where(np.isnan(all_gains), np.inf, all_gains), axis=0)
-    columns["least_gain_at"] = np.where(possible, np.array(JOINTS)[best], "")
-    return Assessment(people, columns)
+            missing = columns[f"{joint}_threshold_Nm_rad"] - own
+        gain = np.where(np.isinf(own), math.inf, missing)
+        gains[joint] = np.where(falls, gain, np.where(stands, 0.0, math.nan))
+    every = np.array(list(gains.values()))
+    possible = falls & np.isfinite(every).any(axis=0)
+    best = np.argmin(np.where(np.isnan(every), np.inf, every), axis=0)
+    return {
+        **{f"{joint}_gain_needed_Nm_rad": gain for joint, gain in gains.items()},
+        "least_gain_at": np.where(possible, np.array(JOINTS)[best], ""),
+    }
 
 
 def write_assessment(assessment: Assessment, path: Path) -> None:
     """Write one line a person, whole or not at all."""
-    partial = path.with_name(f".{path.name}.partial")
-    try:
-        with partial.open("w", encoding="utf-8", newline="") as file:
-            rows = csv.writer(file, lineterminator="\n")
-            rows.writerow(assessment.columns)
-            for row in zip(*assessment.columns.values(), strict=True):
-                rows.writerow([_cell(value) for value in row])
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+    with whole_file(path) as partial, partial.open("w", encoding="utf-8", newline="") as file:
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow(assessment.columns)
+        for row in zip(*assessment.columns.values(), strict=True):
+            rows.writerow([_entry(value) for value in row])
 
 
 def _of_one(setting: Setting, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
     """Return everything about one person; what depends on an unknown stiffness is without sense."""
-    reference = REFERENCE_PEOPLE[setting.body_model]
-    body = rescaled(
-        reference.body, given["height"] / reference.height, given["mass"] / reference.mass
-    )
-    gravity = setting.gravity
-    ankle, knee, hip = stiffness = Stiffness._make(given[f"{joint}_stiffness"] for joint in JOINTS)
-    alone, _, _ = joint_gravity(body, gravity)
-    of_modes = modes(body, stiffness, gravity)
+    body = body_of({**given, "body_model": REFERENCE_PEOPLE[setting.body_model]})
+    stiffness = Stiffness._make(given[name] for name in STIFFNESSES)
+    person = (body, stiffness, setting.gravity)
+    alone, _, _ = joint_gravity(body, setting.gravity)
+    of_modes = modes(*person)
+    found = {f"{joint}_alone": load for joint, load in zip(JOINTS, alone, strict=True)}
+    for joint, threshold in critical_stiffness(*person)._asdict().items():
+        found[f"critical_{joint}_stiffness"] = threshold
     return {
-        **{f"{joint}_alone": load for joint, load in zip(JOINTS, alone, strict=True)},
-        "critical_ankle_stiffness": critical_ankle_stiffness(body, knee, hip, gravity),
-        "critical_knee_stiffness": critical_knee_stiffness(body, ankle, hip, gravity),
-        "critical_hip_stiffness": critical_hip_stiffness(body, ankle, knee, gravity),
-        "stable": verdict(body, stiffness, gravity),
-        "safety_factor": safety_factor(body, stiffness, gravity),
-        "stiffness_reserve": stiffness_reserve(body, stiffness, gravity),
+        **found,
+        "stable": verdict(*person),
+        "safety_factor": safety_factor(*person),
+        "stiffness_reserve": stiffness_reserve(*person),
         "frequency": frequency(of_modes.eigenvalues[0]),
         "hip_ankle_ratio": ratio_to_ankle("hip", stiffness, of_modes),
     }
@@ -172,7 +171,7 @@ def _known(people: People, joint: str, otherwise: float) -> np.ndarray:
     return known
 
 
-def _cell(value: Any) -> str:
+def _entry(value: Any) -> str:
     """Return a number with the digits that mean something; nothing for what is not known."""
     if isinstance(value, str):
         return value

@@ -1,46 +1,77 @@
-"""The loop over a population: blocks of persons, counted in threads, shard by shard."""
+"""The simulation of a population: blocks of persons, counted in threads, into a file."""
 
-import os
-import threading
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
-from functools import partial
+from collections.abc import Generator, Hashable, Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any, overload
 
+import h5py
 import numpy as np
 
-from standfast.engine import over_persons
-from standfast.population.crowd import Crowd, crowd_of
-from standfast.population.drivers import find_drivers
-from standfast.population.persons import growth, outcome
-from standfast.population.study import PopulationStudy
-from standfast.population.tally import Tally, bin_of, cell, counted, load_sums, places
-from standfast.quantities import InputError
-
-if TYPE_CHECKING:
-    from standfast.population.report import Population
-
-# Called with the persons done and all persons, after every block.
-Progress = Callable[[int, int], None]
-
-# Of so many persons the distributions are kept: more of them would add no digit that any model of
-# standing bears, and the rest are only asked whether they fall.
-DETAILED = 2**20
-
-# Of those who fall in a block, at most so many have their growth rate computed.
-MOST_FALLS = 8192
-
-# What is kept of every person when asked, beside whether they stand.
-KEPT = (
-    "height",
-    "mass",
-    "ankle_stiffness",
-    "knee_stiffness",
-    "hip_stiffness",
-    "safety_factor",
-    "stable",
+from standfast.atlas.layout import LIBRARIES
+from standfast.atlas.writer import failures_of_hdf5
+from standfast.engine import keep_freed_memory
+from standfast.errors import InputError
+from standfast.population.cohort.cohort import Cohort, cohort_of
+from standfast.population.cohort.counting import (
+    KEPT,
+    Blocks,
+    Counts,
+    count_blocks,
+    histogram_shapes,
+    is_detailed,
 )
+from standfast.population.cohort.histograms import Histograms
+from standfast.population.people.records import People
+from standfast.population.people.study import PopulationStudy
+from standfast.population.summary.file import (
+    Population,
+    new_persons,
+    open_population,
+    write_summary,
+)
+from standfast.population.summary.sensitivity import sensitivity_of
+from standfast.population.summary.summary import Summary
+from standfast.run import Announce, Progress, check_run, run_job
+from standfast.run.shards import HEADER_BYTES
+
+
+@overload
+def simulate(
+    study: PopulationStudy,
+    output: str | Path,
+    *,
+    threads: int | None = None,
+    part: None = None,
+    strict: bool = False,
+    progress: Progress | None = None,
+    estimate: Announce | None = None,
+) -> Population: ...
+
+
+@overload
+def simulate(
+    study: PopulationStudy,
+    output: str | Path,
+    *,
+    threads: int | None = None,
+    part: tuple[int, int],
+    strict: bool = False,
+    progress: Progress | None = None,
+    estimate: Announce | None = None,
+) -> None: ...
+
+
+@overload
+def simulate(
+    study: PopulationStudy,
+    output: str | Path,
+    *,
+    threads: int | None = None,
+    part: tuple[int, int] | None,
+    strict: bool = False,
+    progress: Progress | None = None,
+    estimate: Announce | None = None,
+) -> Population | None: ...
 
 
 def simulate(
@@ -51,7 +82,8 @@ def simulate(
     part: tuple[int, int] | None = None,
     strict: bool = False,
     progress: Progress | None = None,
-) -> "Population | None":
+    estimate: Announce | None = None,
+) -> Population | None:
     """Simulate a population into a file; the same call resumes what was broken off.
 
     Parameters
@@ -64,8 +96,9 @@ def simulate(
         ``(i, N)`` counts the i-th of N shares, 1 ≤ i ≤ N, and finishes nothing.
     strict
         stop at the first row of a file of people that cannot be used.
-    progress
-        called after every block with the persons done and all persons.
+    progress, estimate
+        called after every block with the persons done and all, and once before the first with what
+        the run will take (:class:`standfast.run.Estimate`).
 
     Returns
     -------
@@ -78,149 +111,117 @@ def simulate(
     OSError
         if the disk does not take it; what is done stays and the same call goes on.
     """
-    from standfast import __version__  # noqa: PLC0415 - the package imports this module
-    from standfast.population.report import write_population  # noqa: PLC0415 - imports h5py
-    from standfast.store import Workplace  # noqa: PLC0415 - imports h5py
-
-    output = Path(output)
-    if threads is not None and threads < 1:
-        raise InputError(f"threads = {threads} is not a number of threads; give 1 or more")
-    if part is not None and not 1 <= part[0] <= part[1]:
-        raise InputError(f"part = {part[0]}/{part[1]} is not a share; give i/N with 1 ≤ i ≤ N")
-    people = study.read_people(strict=strict)
-    if not output.exists():
-        with Workplace.enter(output, study, __version__, part=part) as place:
-            if output.exists():  # another run finished it just before this one took the lock
-                return _already_there(output, study)
-            crowd = crowd_of(study, people)
-            missing = place.missing()
-            if part is not None:
-                missing = [number for number in missing if number % part[1] == part[0] - 1]
-            counted = _counted(study, crowd, missing, threads, progress)
-            for number, content in zip(missing, counted, strict=True):
-                place.write(number, content)
-            if part is not None:
-                return None
-            drivers = find_drivers(crowd, study.seed)
-            place.finish(partial(write_population, place, crowd, drivers))
-    return _already_there(output, study)
+    check_run(threads, part)
+    return run_job(
+        _Simulation(study, study.read_people(strict=strict)),
+        Path(output),
+        threads=threads,
+        part=part,
+        progress=progress,
+        estimate=estimate,
+    )
 
 
-def _already_there(output: Path, study: PopulationStudy) -> "Population":
-    """Return the finished population of this very study; refuse any other."""
-    from standfast.population.report import open_population  # noqa: PLC0415 - imports h5py
-    from standfast.store import tidy_up_after  # noqa: PLC0415 - imports h5py
-
-    found = open_population(output)
-    if found.study.fingerprint != study.fingerprint:
-        raise InputError(
-            f"{output} is of another study ({study.difference(found.study)}); "
-            "choose another output, or move or remove it"
-        )
-    tidy_up_after(output, study)
-    return found
+# Blocks that are a thread's unit. Each hands counts to another thread, which leaves holes in the
+# memory of the first: of single blocks it grew by 0.2 MB a block.
+TOGETHER = 8
 
 
-def tally_shapes(crowd: Crowd) -> tuple[int, int]:
-    """Return the sizes of a tally: strata, and rows of a file of people."""
-    return len(crowd.strata), crowd.rows
+class _Simulation:
+    """A population as the loop takes it: a unit is some blocks of persons, a piece their counts.
 
+    A shard holds the sums of its blocks, then what was kept of every person, block by block.
+    """
 
-def _counted(
-    study: PopulationStudy,
-    crowd: Crowd,
-    numbers: Sequence[int],
-    threads: int | None,
-    progress: Progress | None,
-) -> Iterator[bytes]:
-    """Count the persons of some shards; give the content of each shard."""
-    # a thread that waits for the compiled kernel leaves its core to another
-    workers = WAITING * (threads or os.cpu_count() or 1)
-    total = sum(study.block_persons(b) for n in numbers for b in study.shards[n][1])
-    done = 0
-    stop = threading.Event()
-    with ThreadPoolExecutor(workers) as pool:
-        try:
-            for number in numbers:
-                replicate, blocks = study.shards[number]
-                shares = [_Share(study, crowd, replicate, stop) for _ in range(workers)]
-                # one iterator for all: who is done first takes the next block
-                left = iter(blocks)
-                jobs = {pool.submit(share.count, left) for share in shares}
-                while jobs:
-                    finished, jobs = wait(jobs, timeout=REFRESH, return_when=FIRST_EXCEPTION)
-                    for job in finished:
-                        job.result()
-                    if progress is not None:
-                        progress(done + sum(share.done for share in shares), total)
-                done += sum(share.done for share in shares)
-                yield _together(shares)
-        finally:
-            stop.set()
+    what = "persons"
 
+    def __init__(self, study: PopulationStudy, people: People | None) -> None:
+        keep_freed_memory()
+        self.study = study
+        self.cohort: Cohort = cohort_of(study, people)
 
-WAITING = 2
-REFRESH = 0.1  # s between two looks at the progress
+    def units(self, shard: int) -> list[Blocks]:
+        replicate, numbers = self.study.shards[shard]
+        return [
+            Blocks(replicate, numbers[first : first + TOGETHER])
+            for first in range(0, len(numbers), TOGETHER)
+        ]
 
+    def size(self, unit: Blocks) -> int:
+        return sum(map(self.study.block_persons, unit.numbers))
 
-class _Share:
-    """One thread's share of a shard: some of its blocks, and what was counted in them."""
+    def kind(self, unit: Blocks) -> Hashable:
+        return is_detailed(self.study, unit.numbers[0])
 
-    def __init__(
-        self, study: PopulationStudy, crowd: Crowd, replicate: int, stop: threading.Event
-    ) -> None:
-        self.study, self.crowd, self.replicate, self.stop = study, crowd, replicate, stop
-        self.tally = Tally.empty(*tally_shapes(crowd))
-        self.load_sums: dict[int, np.ndarray] = {}
-        self.kept: dict[int, bytes] = {}
-        self.done = 0
+    def batch(self, kind: Hashable) -> int:
+        del kind
+        return 1
 
-    def count(self, blocks: Iterator[int]) -> None:
-        """Draw and count the persons of blocks, as long as there are any."""
-        study, crowd, tally = self.study, self.crowd, self.tally
-        for block in blocks:
-            if self.stop.is_set():
-                return
-            scores = crowd.sampler.scores(self.replicate, block, study.block_size)
-            numbers = crowd.numbers(scores)
-            size = study.block_persons(block)
-            if block * study.block_size * study.replicates < DETAILED:
-                found = over_persons(places, crowd.model, crowd.names)(numbers)
-                tally.count_details(found, size)
-                self.load_sums[block] = load_sums(found, size)
-                self._count_growth(numbers, found["cell"][:size] & 1)
-            else:
-                found = over_persons(cell, crowd.model, crowd.names)(numbers)
-            tally.count_cells(found["cell"], size)
-            if crowd.rows:
-                fallen = found["cell"][:size] & 1
-                tally.count_rows(2 * crowd.rows_of(scores)[:size] + fallen)
+    def compute(self, unit: Blocks) -> Counts:
+        return count_blocks(self.study, self.cohort, unit)
+
+    def stored_bytes(self, unit: Blocks, piece: Counts) -> float:
+        share = len(unit.numbers) / len(self.study.shards[0][1])
+        return self._empty().nbytes * share + len(piece.kept)
+
+    def into_shard(
+        self, path: Path | None, shard: int, pieces: Iterable[Counts]
+    ) -> Generator[Counts, None, None]:
+        del shard
+        together, kept = self._empty(), []
+        for piece in pieces:
+            together.add(piece.histograms)
+            kept.append(piece.kept)
+        whole = Counts(vars(together), b"".join(kept))
+        if path is not None:
+            with path.open("wb") as file:
+                file.seek(HEADER_BYTES)
+                file.write(together.to_bytes() + whole.kept)
+        yield whole
+
+    def out_of_shard(self, path: Path, shard: int) -> Iterator[Counts]:
+        del shard
+        content = path.read_bytes()[HEADER_BYTES:]
+        histograms = Histograms.from_bytes(content, *histogram_shapes(self.cohort))
+        yield Counts(vars(histograms), content[histograms.nbytes :])
+
+    def assemble(self, path: Path, pieces: Iterable[Counts]) -> None:
+        study = self.study
+        replicates = [self._empty() for _ in range(study.replicates)]
+        start = 0
+        with failures_of_hdf5(path), h5py.File(path, "w", libver=LIBRARIES) as file:
             if study.keeps_persons:
-                self.kept[block] = self._persons(numbers, size)
-            self.done += size
+                new_persons(file, study.size, KEPT)
+            for (replicate, numbers), piece in zip(study.shards, pieces, strict=True):
+                replicates[replicate].add(piece.histograms)
+                if study.keeps_persons:
+                    start = self._write_persons(file, start, numbers, piece.kept)
+            sensitivity = sensitivity_of(self.cohort, study.seed)
+            write_summary(file, study, Summary(study, self.cohort, replicates, sensitivity))
 
-    def _count_growth(self, numbers: np.ndarray, fallen: np.ndarray) -> None:
-        """Count the growth rates of the first who fall."""
-        rows = np.flatnonzero(fallen)[:MOST_FALLS]
-        if rows.size:
-            padded = np.resize(rows, MOST_FALLS)
-            of_falls = over_persons(growth, self.crowd.model, self.crowd.names)
-            rates = of_falls(np.ascontiguousarray(numbers[:, padded]))["growth_rate"]
-            self.tally.growth_rate += counted(bin_of(rates[: rows.size]))
+    def _write_persons(self, file: h5py.File, start: int, blocks: range, kept: bytes) -> int:
+        """Write what was kept of the persons of a shard's blocks; return where the next begin."""
+        at = 0
+        for block in blocks:
+            size = self.study.block_persons(block)
+            end = at + 8 * len(KEPT) * size
+            columns = np.frombuffer(kept[at:end], np.float64).reshape(len(KEPT), size)
+            for name, column in zip(KEPT, columns, strict=True):
+                file[f"person_{name}"][start : start + size] = column
+            start, at = start + size, end
+        return start
 
-    def _persons(self, numbers: np.ndarray, size: int) -> bytes:
-        """Return what is kept of every person, as columns of float64."""
-        found = over_persons(outcome, self.crowd.model, self.crowd.names)(numbers)
-        return np.array([found[name][:size] for name in KEPT], np.float64).tobytes()
+    def _empty(self) -> Histograms:
+        return Histograms.empty(*histogram_shapes(self.cohort))
 
+    def open(self, path: Path) -> Population:
+        found = open_population(path)
+        if found.study.fingerprint != self.study.fingerprint:
+            raise InputError(
+                f"{path} is of another study ({self.study.difference(found.study)}); "
+                "choose another output, or move or remove it"
+            )
+        return found
 
-def _together(shares: Sequence[_Share]) -> bytes:
-    """Put the shares of a shard together; sums of loads in the order of the blocks."""
-    first, *others = shares
-    for other in others:
-        first.tally.add(other.tally)
-        first.load_sums |= other.load_sums
-        first.kept |= other.kept
-    for block in sorted(first.load_sums):
-        first.tally.load_sums += first.load_sums[block]
-    return first.tally.to_bytes() + b"".join(first.kept[block] for block in sorted(first.kept))
+    def log(self) -> dict[str, Any]:
+        return {"persons": self.study.size}

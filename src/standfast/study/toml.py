@@ -4,7 +4,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from standfast.quantities import InputError
+from standfast.errors import InputError
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:

@@ -1,34 +1,21 @@
 """The border of a study: what a file or a dictionary may say, checked key by key.
 
-Every message names the key, what was given, and the nearest right name or the allowed range.
+The keys are those of the tables of parameters and quantities. Every message names the key, what was
+given, and the nearest right name or the allowed range.
 """
 
 import itertools
 import math
-from collections.abc import Mapping
-from typing import Any, TypeAlias
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 import numpy as np
 
-from standfast.body import BODY_MODELS
-from standfast.quantities import (
-    PARAMETERS,
-    QUANTITIES,
-    InputError,
-    checked_number,
-    nearest_name,
-)
+from standfast.errors import InputError, nearest_name, shortened
+from standfast.parameters import PARAMETERS, Parameter, checked_choice, checked_number
+from standfast.quantities import QUANTITIES
+from standfast.study.canonical import Value
 
-# A value, a list or a range in canonical form.
-Value: TypeAlias = float | str | list[float] | list[str] | dict[str, Any]
-
-TOP_KEYS = ("title", "gravity", "body", "stiffness", "output")
-BODY_KEYS = {"model": "body_model", "height": "height", "mass": "mass", "bmi": "bmi"}
-STIFFNESS_KEYS = {
-    "ankle": "ankle_stiffness",
-    "knee": "knee_stiffness",
-    "hip": "hip_stiffness",
-}
 OUTPUT_KEYS = ("quantities",)
 RANGE_KEYS = ("start", "stop", "num", "spacing")
 SPACINGS = ("linear", "log")
@@ -46,24 +33,10 @@ def axis_values(value: Value) -> np.ndarray | None:
     return None
 
 
-def describe(value: Value | None) -> str:
-    """Return a value, list or range in a few words."""
-    if value is None:
-        return "not given"
-    if isinstance(value, dict):
-        spacing = ", log spacing" if value["spacing"] == "log" else ""
-        return f"{value['num']} values from {value['start']:g} to {value['stop']:g}{spacing}"
-    if isinstance(value, list):
-        words = [item if isinstance(item, str) else f"{item:g}" for item in value]
-        shown = words if len(words) <= 8 else [*words[:3], "…", words[-1]]
-        return f"[{', '.join(shown)}]"
-    return value if isinstance(value, str) else f"{value:g}"
-
-
-def known_keys(where: str, given: Any, known: Any) -> None:
+def known_keys(where: str, given: Any, known: Iterable[str]) -> None:
     """Refuse a table with a key that is not known."""
     if not isinstance(given, Mapping):
-        raise InputError(f"{where} = {_short(given)} is not a table of {', '.join(known)}")
+        raise InputError(f"{where} = {shortened(given)} is not a table of {', '.join(known)}")
     for key in given:
         if key not in known:
             raise InputError(
@@ -71,31 +44,55 @@ def known_keys(where: str, given: Any, known: Any) -> None:
             )
 
 
-def checked_section(where: str, given: Any, keys: Mapping[str, str]) -> dict[str, Value]:
-    """Check a table of parameters; return them under their full names."""
-    known_keys(f"[{where}]", given, keys)
-    return {
-        keys[key]: checked_value(f"{where}.{key}", keys[key], value) for key, value in given.items()
-    }
+def checked_title(content: Mapping[str, Any]) -> str:
+    """Return the title of a study; empty if it has none."""
+    title = content.get("title", "")
+    if not isinstance(title, str) or not title.isprintable():
+        raise InputError(f"title = {title!r} is not one line of text")
+    return title
 
 
-def checked_value(where: str, name: str, given: Any) -> Value:
+def checked_parameters(content: Mapping[str, Any]) -> dict[str, Value]:
+    """Check all parameters of a study under their full names, in its order; add the defaults."""
+    sections: dict[str, dict[str, Parameter]] = {}
+    for row in PARAMETERS.values():
+        if row.key:
+            sections.setdefault(row.section, {})[row.key] = row
+    alone = sections.pop("", {})
+    known_keys("study", content, ("title", *alone, *sections, "output"))
+    parameters: dict[str, Value] = {}
+    for key, given in content.items():
+        if key in alone:
+            parameters[alone[key].name] = checked_value(key, alone[key], given)
+        elif key in sections:
+            known_keys(f"[{key}]", given, sections[key])
+            for name, value in given.items():
+                row = sections[key][name]
+                parameters[row.name] = checked_value(row.place, row, value)
+    for row in PARAMETERS.values():
+        if row.default is not None and not row.unwritten:
+            parameters.setdefault(row.name, row.default)
+    check_complete(parameters)
+    return parameters
+
+
+def checked_value(where: str, row: Parameter, given: Any) -> Value:
     """Check a value, a list or a range of one parameter and return it in canonical form."""
     if isinstance(given, Mapping):
-        if name == "body_model":
+        if row.choices:
             raise InputError(f"{where} is a table; give a model or a list of models")
-        return _range(where, name, given)
+        return _range(where, row, given)
     if isinstance(given, np.ndarray):
         given = given.tolist()
     if not isinstance(given, list | tuple):
-        single: float | str = _single(where, name, given)
+        single: float | str = _single(where, row, given)
         return single
     if not given:
         raise InputError(f"{where} is an empty list; give at least one value")
     if len(given) > LONGEST_AXIS:
         raise InputError(f"{where} has {len(given)} values; at most {LONGEST_AXIS} are allowed")
-    values = [_single(f"{where}[{number}]", name, item) for number, item in enumerate(given)]
-    if name == "body_model":
+    values = [_single(f"{where}[{number}]", row, item) for number, item in enumerate(given)]
+    if row.choices:
         if len(set(values)) < len(values):
             raise InputError(f"{where} names a model twice: {', '.join(map(str, values))}")
         return values
@@ -109,37 +106,31 @@ def checked_value(where: str, name: str, given: Any) -> Value:
     return values
 
 
-def _single(where: str, name: str, given: Any) -> Any:
-    if name == "body_model":
-        if given not in BODY_MODELS:
-            raise InputError(
-                f"{where} = {_short(given)} is not a body model{nearest_name(given, BODY_MODELS)} "
-                f"(models: {', '.join(BODY_MODELS)})"
-            )
-        return given
+def _single(where: str, row: Parameter, given: Any) -> Any:
+    if row.choices:
+        return checked_choice(where, given, row=row)
     if isinstance(given, list | tuple | dict):
-        raise InputError(f"{where} = {_short(given)} is not a number")
-    return checked_number(where, _short_text(given), row=PARAMETERS[name]) + 0.0
+        raise InputError(f"{where} = {shortened(given)} is not a number")
+    return checked_number(where, _short_text(given), row=row) + 0.0
 
 
-def _range(where: str, name: str, given: Mapping[str, Any]) -> dict[str, Any]:
+def _range(where: str, row: Parameter, given: Mapping[str, Any]) -> dict[str, Any]:
     known_keys(where, given, RANGE_KEYS)
     for key in ("start", "stop", "num"):
         if key not in given:
             raise InputError(f"{where} lacks {key}; a range is {{ start = …, stop = …, num = … }}")
-    row = PARAMETERS[name]
     start = checked_number(f"{where}.start", _short_text(given["start"]), row=row) + 0.0
     stop = checked_number(f"{where}.stop", _short_text(given["stop"]), row=row) + 0.0
     num = given["num"]
     num = int(num) if isinstance(num, np.integer) else num
     if isinstance(num, bool) or not isinstance(num, int) or not 2 <= num <= LONGEST_AXIS:
         raise InputError(
-            f"{where}.num = {_short(num)} is not a whole number of values, 2 to {LONGEST_AXIS}"
+            f"{where}.num = {shortened(num)} is not a whole number of values, 2 to {LONGEST_AXIS}"
         )
     spacing = given.get("spacing", "linear")
     if spacing not in SPACINGS:
         raise InputError(
-            f"{where}.spacing = {_short(spacing)} is not known"
+            f"{where}.spacing = {shortened(spacing)} is not known"
             f"{nearest_name(spacing, SPACINGS)} (spacings: {', '.join(SPACINGS)})"
         )
     if math.isinf(stop) or math.isinf(start):
@@ -160,14 +151,12 @@ def _range(where: str, name: str, given: Mapping[str, Any]) -> dict[str, Any]:
     return canonical
 
 
-def check_body(parameters: Mapping[str, Value]) -> None:
+def check_complete(parameters: Mapping[str, Value]) -> None:
     """Refuse parameters of which one is missing, or that make a person of no mass at all."""
-    for name, key in (
-        ("height", "body.height"),
-        *((p, f"stiffness.{k}") for k, p in STIFFNESS_KEYS.items()),
-    ):
-        if name not in parameters:
-            raise InputError(f"{key} is missing")
+    for row in PARAMETERS.values():
+        needed = row.key and row.default is None and row.name not in ("mass", "bmi")
+        if needed and row.name not in parameters:
+            raise InputError(f"{row.place} is missing")
     if ("mass" in parameters) == ("bmi" in parameters):
         have = "both are given" if "mass" in parameters else "neither is given"
         raise InputError(f"body needs mass or bmi, one of them; {have}")
@@ -196,37 +185,18 @@ def checked_quantities(given: Any) -> tuple[str, ...]:
     known_keys("[output]", given, OUTPUT_KEYS)
     names = given.get("quantities", ["stable"])
     if not isinstance(names, list | tuple):
-        raise InputError(f"output.quantities = {_short(names)} is not a list of quantities")
+        raise InputError(f"output.quantities = {shortened(names)} is not a list of quantities")
     if not names:
         raise InputError("output.quantities is an empty list; give at least one quantity")
     for name in names:
         if not isinstance(name, str) or name not in QUANTITIES:
             raise InputError(
-                f"output.quantities has no {_short(name)}{nearest_name(name, QUANTITIES)} "
+                f"output.quantities has no {shortened(name)}{nearest_name(name, QUANTITIES)} "
                 f"(quantities: {', '.join(QUANTITIES)})"
             )
         if list(names).count(name) > 1:
             raise InputError(f"output.quantities names {name} twice")
     return tuple(names)
-
-
-def json_value(value: Value) -> Any:
-    """Return a value in words of JSON, which has no infinity."""
-    if isinstance(value, list):
-        return [json_value(item) for item in value]
-    return "inf" if value == math.inf else value
-
-
-def from_json(given: Any) -> Any:
-    """Turn the canonical ``"inf"`` back into a number."""
-    if isinstance(given, list):
-        return [from_json(item) for item in given]
-    return math.inf if given == "inf" else given
-
-
-def _short(given: Any) -> str:
-    text = repr(given)
-    return text if len(text) <= 60 else f"{text[:57]}…"
 
 
 def _short_text(given: Any) -> Any:

@@ -1,0 +1,235 @@
+"""The body: three segments above the feet, from published values or scaled from height and mass.
+
+Segments are shank, thigh and upper body, in this order; both legs together. Lengths are measured
+along the upright body, centres of mass from the lower end of the segment.
+"""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from standfast.anthropometry.tables import DE_LEVA, WINTER, upper_body
+from standfast.errors import InputError
+from standfast.numerics.arrays import Array, Scalar, namespace
+from standfast.parameters import (
+    SEGMENT_PARAMETERS,
+    checked_choice,
+    checked_number,
+    checked_scalar,
+    is_typed_in,
+)
+
+
+class _BodyFields(NamedTuple):
+    segment_mass: Array
+    segment_inertia: Array
+    segment_length: Array
+    segment_com: Array
+
+
+class Body(_BodyFields):
+    """Mass and geometry of one person, as a named tuple of float64 arrays (so a JAX pytree too).
+
+    Attributes
+    ----------
+    segment_mass : (3,), kg
+        shank, thigh, upper body (both legs together, without the feet).
+    segment_inertia : (3,), kg·m²
+        about the segment's own centre of mass and the medio-lateral axis.
+    segment_length : (2,), m
+        shank (ankle to knee) and thigh (knee to hip).
+    segment_com : (3,), m
+        centre of mass above the lower end: ankle, knee, hip.
+
+    Numbers and lists of numbers are checked. Arrays of JAX pass unseen, because a value that is
+    being traced cannot be looked at, and so do arrays with an axis more, the bodies of a batch.
+
+    Raises
+    ------
+    InputError
+        for a wrong number of segments, text, NaN, or a value that no body has.
+    """
+
+    __slots__ = ()
+
+    def __new__(
+        cls,
+        segment_mass: Any,
+        segment_inertia: Any,
+        segment_length: Any,
+        segment_com: Any,
+    ) -> "Body":
+        """Check every plain value and keep it as a read-only float64 array."""
+        return super().__new__(
+            cls,
+            _checked_segments("segment_mass", segment_mass, 3),
+            _checked_segments("segment_inertia", segment_inertia, 3),
+            _checked_segments("segment_length", segment_length, 2),
+            _checked_segments("segment_com", segment_com, 3),
+        )
+
+    def __eq__(self, other: object) -> bool:
+        """Return whether all values are equal."""
+        return isinstance(other, Body) and all(map(np.array_equal, self, other))
+
+    def __ne__(self, other: object) -> bool:
+        """Return whether any value differs."""
+        return not self == other
+
+    __hash__ = None  # type: ignore[assignment] # arrays have none either
+
+    def _replace(self, **changes: Any) -> "Body":
+        """Return a body with some values changed, checked like any other."""
+        return Body(**{**self._asdict(), **changes})
+
+    @classmethod
+    def edwards2007(cls) -> "Body":
+        """Return the nominal person of Gait & Posture 25 (2007) 432-439: 75.3 kg, 1.753 m.
+
+        Values as listed in the paper's nomenclature (after Chaffin & Andersson 1984).
+        """
+        return REFERENCE_PEOPLE["edwards2007"].body
+
+    @classmethod
+    def from_height_mass(cls, height: float, mass: float, model: str = "winter") -> "Body":
+        """Return a person of ``height`` (m) and ``mass`` (kg) with the proportions of ``model``.
+
+        Masses scale with body mass, lengths with height, inertias with mass · height².
+
+        Raises
+        ------
+        InputError
+            for a model that is not known, or a height or mass out of range.
+        """
+        return body_of(
+            {
+                "body_model": REFERENCE_PEOPLE[checked_choice("body_model", model)],
+                "height": checked_scalar("height", height),
+                "mass": checked_scalar("mass", mass),
+            }
+        )
+
+
+class ReferencePerson(NamedTuple):
+    """A body whose height (m) and mass (kg) are known, from which others are scaled."""
+
+    body: Body
+    height: Scalar
+    mass: Scalar
+
+
+def body_of(given: Mapping[str, Any]) -> Body:
+    """Return the body that parameters by name describe: the one way from height and mass to it.
+
+    ``given`` holds ``body_model``, a :class:`ReferencePerson`; ``height`` (m); ``mass`` (kg) or
+    ``bmi`` (kg/m²), of which mass = BMI · height². Numbers may be traced, or fractions.
+    """
+    reference: ReferencePerson = given["body_model"]
+    height = given["height"]
+    mass = given["mass"] if "mass" in given else given["bmi"] * height**2
+    return rescaled(reference.body, height / reference.height, mass / reference.mass)
+
+
+def rescaled(body: Body, taller: Scalar, heavier: Scalar) -> Body:
+    """Return a similar body with lengths · ``taller`` and masses · ``heavier``."""
+    xp = namespace(*body, taller, heavier)
+    taller, heavier = xp.asarray(taller), xp.asarray(heavier)
+    return Body._make(
+        map(
+            _frozen,
+            (
+                body.segment_mass * heavier,
+                body.segment_inertia * (heavier * taller**2),
+                body.segment_length * taller,
+                body.segment_com * taller,
+            ),
+        )
+    )
+
+
+def _checked_segments(name: str, values: Any, count: int) -> Array:
+    of_a_program = not is_typed_in(values) and not isinstance(values, np.ndarray)
+    if of_a_program or (isinstance(values, np.ndarray) and values.ndim > 1):
+        return values
+    row = SEGMENT_PARAMETERS[name]
+    segments = ("shank", "thigh", "upper body")[:count]
+    if not isinstance(values, list | tuple | np.ndarray) or len(values) != count:
+        raise InputError(
+            f"{name} = {values!r} is not {count} numbers; give {', '.join(segments)} in {row.unit}"
+        )
+    if any(namespace(value) is not np for value in values):
+        return namespace(*values).stack(list(values))
+    return _frozen(
+        np.array(
+            [
+                checked_number(f"{name} of the {segment}", value, row=row)
+                for segment, value in zip(segments, values, strict=True)
+            ]
+        )
+    )
+
+
+def _frozen(array: Array) -> Array:
+    if isinstance(array, np.ndarray):
+        array.flags.writeable = False
+    return array
+
+
+def _winter_person() -> ReferencePerson:
+    rows = tuple(WINTER.values())
+    return ReferencePerson(
+        height=1.0,
+        mass=1.0,
+        body=_unit_body(
+            [row.total_mass for row in rows],
+            [row.inertia for row in rows],
+            [row.length for row in rows[:2]],
+            [row.com_above_lower_end for row in rows],
+        ),
+    )
+
+
+def _de_leva_person(model: str) -> ReferencePerson:
+    legs = (DE_LEVA[model]["shank"], DE_LEVA[model]["thigh"])
+    mass, com, inertia = upper_body(model)
+    return ReferencePerson(
+        height=1.0,
+        mass=1.0,
+        body=_unit_body(
+            [*(row.total_mass for row in legs), mass],
+            [*(row.inertia for row in legs), inertia],
+            [row.length for row in legs],
+            [*(row.com_above_lower_end for row in legs), com],
+        ),
+    )
+
+
+def _unit_body(*columns: list[float]) -> Body:
+    """Make a body of unit height and mass, whose values no check of a real body would pass."""
+    return Body._make(_frozen(np.array(column)) for column in columns)
+
+
+# Each is of one of PARAMETERS["body_model"].choices.
+REFERENCE_PEOPLE = {
+    "edwards2007": ReferencePerson(
+        height=1.753,
+        mass=75.3,  # the text also says 75 and 75.2; the listed masses fit 75.3
+        body=Body(
+            segment_mass=(6.478, 15.059, 51.648),
+            segment_inertia=(0.122, 0.291, 3.012),
+            segment_length=(0.431, 0.430),
+            segment_com=(0.245, 0.244, 0.356),
+        ),
+    ),
+    "winter": _winter_person(),
+    "de-leva-male": _de_leva_person("de-leva-male"),
+    "de-leva-female": _de_leva_person("de-leva-female"),
+}
+
+BODY_SOURCES = {
+    "edwards2007": "Gait & Posture 25 (2007) 432-439, nomenclature, after Chaffin & Andersson 1984",
+    "winter": "Dempster via Winter, Biomechanics and Motor Control of Human Movement, table 4.1",
+    "de-leva-male": "de Leva, J Biomech 29 (1996) 1223-1230, table 4; upper body composed here",
+    "de-leva-female": "de Leva, J Biomech 29 (1996) 1223-1230, table 4; upper body composed here",
+}

@@ -1,0 +1,73 @@
+"""The same grid in memory: a study computed into a labelled dataset, without a file."""
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from standfast.atlas.layout import file_attributes, parameter_attributes, quantity_attributes
+from standfast.engine import Evaluator
+from standfast.errors import InputError
+from standfast.study import Study, Tile
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def compute(study: Study, *, threads: int | None = None) -> "xarray.Dataset":
+    """Compute a study in memory, with the values, axes and attributes of its atlas.
+
+    Parameters
+    ----------
+    study
+        what to compute.
+    threads
+        how many threads compute (default: as many as cores).
+
+    Returns
+    -------
+    Dataset with a variable a quantity on its own axes, and scalar coordinates for parameters of
+    one value: as ``sweep(study, …).to_xarray()``, loaded.
+
+    Raises
+    ------
+    InputError
+        if xarray is not installed (the extra ``standfast[xarray]``).
+    """
+    try:
+        import xarray  # noqa: PLC0415 - an extra
+    except ImportError:
+        raise InputError("compute needs xarray: pip install 'standfast[xarray]'") from None
+    evaluate = Evaluator(study)
+    arrays = {
+        name: np.empty(group.shape, group.dtype)
+        for group in study.grid.groups
+        for name in group.quantities
+    }
+
+    def fill(tile: Tile) -> None:
+        group = study.grid.groups[tile.group]
+        inside = group.inside(tile)
+        target = tuple(
+            slice(first, first + part.stop)
+            for first, part in zip(group.start(tile), inside, strict=True)
+        )
+        for name, values in zip(group.quantities, evaluate(tile), strict=True):
+            arrays[name][target] = values[inside]
+
+    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+        for number in range(study.shard_count):
+            list(pool.map(fill, study.grid.shard(number)))
+    given = {**study.axes, **study.fixed}
+    return xarray.Dataset(
+        {
+            name: (study.axes_of(name), values, quantity_attributes(name))
+            for name, values in arrays.items()
+        },
+        {
+            name: ((name,) if name in study.axes else (), value, parameter_attributes(name))
+            for name, value in given.items()
+        },
+        file_attributes(study),
+    )

@@ -1,0 +1,249 @@
+"""Reading a finished atlas: by name, lazily, in threads, and without trusting the file."""
+
+import math
+import os
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import product
+from pathlib import Path
+from typing import Any, Self
+
+import h5py
+import numpy as np
+
+from standfast.atlas.encoding import constant_in, decoded
+from standfast.atlas.indexing import box_of, within_box
+from standfast.errors import InputError, UnknownNameError, nearest_name
+from standfast.quantities import QUANTITIES, Quantity
+from standfast.study import Group, Study
+
+PLANE_BYTES = 2**28
+
+
+class Atlas(Mapping[str, "Variable"]):
+    """A finished atlas: its quantities by name; made by :func:`open_atlas`.
+
+    Nothing is read before it is asked for. ``with open_atlas(…) as atlas:`` keeps the file open
+    meanwhile; else it is opened for every reading.
+
+    Attributes
+    ----------
+    path, study, version
+        the file, what it was computed from, and by which standfast.
+    """
+
+    def __init__(self, path: Path, study: Study, version: str) -> None:
+        self.path, self.study, self.version = path, study, version
+        self._open: h5py.File | None = None
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Atlas) and self._identity == other._identity
+
+    def __hash__(self) -> int:
+        return hash(self._identity)
+
+    @property
+    def _identity(self) -> tuple[Path, str, str]:
+        return self.path, self.study.fingerprint, self.version
+
+    def __repr__(self) -> str:
+        return f"<Atlas {self.path}: {', '.join(self.quantities)}>"
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Names of the quantities inside."""
+        return self.study.quantities
+
+    @property
+    def axes(self) -> dict[str, np.ndarray]:
+        """Names and values of the axes, in the study's order."""
+        return self.study.axes
+
+    def __getitem__(self, quantity: str) -> "Variable":
+        if quantity not in self.study.quantities:
+            raise UnknownNameError(
+                f"{self.path} has no {quantity!r}{nearest_name(quantity, self.quantities)} "
+                f"(inside: {', '.join(self.quantities)})"
+            )
+        group = next(g for g in self.study.grid.groups if quantity in g.quantities)
+        return Variable(self, QUANTITIES[quantity], group)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.study.quantities)
+
+    def __len__(self) -> int:
+        return len(self.study.quantities)
+
+    def __enter__(self) -> Self:
+        self._open = h5py.File(self.path, "r")
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self._open is not None:
+            self._open.close()
+            self._open = None
+
+    @contextmanager
+    def file(self) -> Iterator[h5py.File]:
+        """Give the open file; say in one sentence if it is broken."""
+        if self._open is not None:
+            with one_sentence(self.path):
+                yield self._open
+        else:
+            with opened(self.path) as file:
+                yield file
+
+    def to_xarray(self) -> Any:
+        """Return the atlas as a lazy ``xarray.Dataset`` (needs the extra ``standfast[xarray]``).
+
+        Raises
+        ------
+        InputError
+            if xarray or h5netcdf is not installed.
+        """
+        try:
+            import h5netcdf  # noqa: F401, PLC0415 - an extra, which xarray reads with
+            import xarray  # noqa: PLC0415 - an extra
+        except ImportError as error:
+            raise InputError(
+                f"to_xarray needs {error.name}: pip install 'standfast[xarray]'"
+            ) from None
+        return xarray.open_dataset(self.path, engine="h5netcdf")
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One quantity of an atlas: ``variable[index]`` reads a piece, ``numpy.asarray`` all of it."""
+
+    atlas: Atlas = field(repr=False)
+    quantity: Quantity
+    group: Group
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Names of the axes."""
+        return self.group.axes
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of the axes."""
+        return self.group.shape
+
+    @cached_property
+    def dtype(self) -> np.dtype[Any]:
+        """Type of the values."""
+        return np.dtype(self.quantity.dtype)
+
+    @property
+    def units(self) -> str:
+        """Unit of the values."""
+        return self.quantity.unit
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
+        del copy  # what is read from a file is always new
+        return np.asarray(self[...], dtype)
+
+    def __getitem__(self, index: Any) -> np.ndarray:
+        """Read a piece: integers and slices are read chunk by chunk in threads."""
+        box = box_of(index, self.shape)
+        with self.atlas.file() as file:
+            dataset = file[self.quantity.name]
+            if not self.group.axes or box is None:
+                return _read_as_h5py_does(dataset, index)
+            values = _read_box(dataset, self.group, self.dtype, box)
+        piece: np.ndarray = values[within_box(index, len(self.shape))]
+        return piece
+
+    def planes(self, *, along: tuple[str, ...]) -> Iterator[tuple[dict[str, int], np.ndarray]]:
+        """Go through the grid plane by plane: all of the axes ``along``, one place of the others.
+
+        Yields the index of each other axis by name, and the plane with its axes in study order.
+        Planes are read as many at a time as share their chunks, within ``PLANE_BYTES``.
+        """
+        others = [number for number, axis in enumerate(self.dims) if axis not in along]
+        sides = [self.group.chunk_shape[number] for number in others]
+        plane = self.dtype.itemsize * math.prod(
+            length for axis, length in zip(self.dims, self.shape, strict=True) if axis in along
+        )
+        while sides and max(sides) > 1 and plane * math.prod(sides) > PLANE_BYTES:
+            longest = sides.index(max(sides))
+            sides[longest] = -(-sides[longest] // 2)
+        starts = (range(0, self.shape[n], side) for n, side in zip(others, sides, strict=True))
+        for corner in product(*starts):
+            box: list[slice] = [slice(None)] * len(self.dims)
+            for number, first, side in zip(others, corner, sides, strict=True):
+                box[number] = slice(first, first + side)
+            values = self[tuple(box)]
+            for within in product(*(range(values.shape[number]) for number in others)):
+                at: list[Any] = [slice(None)] * len(self.dims)
+                for number, index in zip(others, within, strict=True):
+                    at[number] = index
+                where = zip(others, corner, within, strict=True)
+                yield {self.dims[n]: low + index for n, low, index in where}, values[tuple(at)]
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[h5py.File]:
+    """Open for reading; say in one sentence if the file is broken."""
+    with one_sentence(path), h5py.File(path, "r") as file:
+        yield file
+
+
+@contextmanager
+def one_sentence(path: Path) -> Iterator[None]:
+    """Turn what HDF5 says of a broken file into one sentence."""
+    try:
+        yield
+    except (InputError, IndexError):
+        raise
+    except Exception as error:  # HDF5 reports damage by almost any exception
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise InputError(f"{path} is damaged or cut short ({reason})") from None
+
+
+def _read_as_h5py_does(dataset: h5py.Dataset, index: Any) -> np.ndarray:
+    """Read by an index that is not made of integers and rising slices."""
+    try:
+        return np.asarray(dataset[index])
+    except (TypeError, ValueError) as error:
+        raise IndexError(str(error)) from None
+
+
+def _read_box(
+    dataset: h5py.Dataset, group: Group, dtype: np.dtype[Any], box: tuple[slice, ...]
+) -> np.ndarray:
+    """Read a box: raw chunks one after the other, inflated in threads."""
+    # zeroed memory is not touched before something else is written to it
+    values = np.zeros([part.stop - part.start for part in box], dtype)
+    sides = group.chunk_shape
+
+    def place(start: tuple[int, ...], raw: bytes) -> None:
+        alike = constant_in(raw, dtype, math.prod(sides))
+        if alike == 0:
+            return
+        chunk = decoded(raw, dtype, sides) if alike is None else np.broadcast_to(alike, sides)
+        source, target = [], []
+        for first, side, part in zip(start, sides, box, strict=True):
+            low, high = max(first, part.start), min(first + side, part.stop)
+            source.append(slice(low - first, high - first))
+            target.append(slice(low - part.start, high - part.start))
+        values[tuple(target)] = chunk[tuple(source)]
+
+    touched = (
+        range(part.start // side, -(-part.stop // side))
+        for part, side in zip(box, sides, strict=True)
+    )
+    workers = os.cpu_count() or 1
+    with ThreadPoolExecutor(workers) as pool:
+        waiting = []
+        for chunk in product(*touched):
+            start = tuple(i * side for i, side in zip(chunk, sides, strict=True))
+            waiting.append(pool.submit(place, start, dataset.id.read_direct_chunk(start)[1]))
+            if len(waiting) > 4 * workers:
+                waiting.pop(0).result()
+        for job in waiting:
+            job.result()
+    return values

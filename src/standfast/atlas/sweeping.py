@@ -1,0 +1,176 @@
+"""The sweep of a study into an atlas file: its tiles, computed and encoded in threads."""
+
+from collections.abc import Generator, Hashable, Iterable, Iterator
+from functools import cached_property
+from pathlib import Path
+from typing import Any, overload
+
+import numpy as np
+
+from standfast.atlas.encoding import encoded, encoded_constant
+from standfast.atlas.opening import open_atlas
+from standfast.atlas.reader import Atlas
+from standfast.atlas.writer import EncodedTile, read_chunks, write_atlas, write_chunks
+from standfast.engine import Evaluator
+from standfast.errors import InputError
+from standfast.run import Announce, Progress, check_run, run_job
+from standfast.run.shards import HEADER_BYTES
+from standfast.study import Group, Study, Tile
+
+# Tiles that a thread takes at once: most of verdicts are known sooner than a thread can be told.
+STEPS_TOGETHER = 8
+
+
+@overload
+def sweep(
+    study: Study,
+    output: str | Path,
+    *,
+    threads: int | None = None,
+    part: None = None,
+    progress: Progress | None = None,
+    estimate: Announce | None = None,
+) -> Atlas: ...
+
+
+@overload
+def sweep(
+    study: Study,
+    output: str | Path,
+    *,
+    threads: int | None = None,
+    part: tuple[int, int],
+    progress: Progress | None = None,
+    estimate: Announce | None = None,
+) -> None: ...
+
+
+@overload
+def sweep(
+    study: Study,
+    output: str | Path,
+    *,
+    threads: int | None = None,
+    part: tuple[int, int] | None,
+    progress: Progress | None = None,
+    estimate: Announce | None = None,
+) -> Atlas | None: ...
+
+
+def sweep(
+    study: Study,
+    output: str | Path,
+    *,
+    threads: int | None = None,
+    part: tuple[int, int] | None = None,
+    progress: Progress | None = None,
+    estimate: Announce | None = None,
+) -> Atlas | None:
+    """Compute a study into an atlas file; the same call resumes what was broken off.
+
+    Parameters
+    ----------
+    study, output
+        what to compute, and the file to write.
+    threads
+        how many threads compute and compress (default: as many as cores); the file does not depend
+        on it.
+    part
+        ``(i, N)`` computes the i-th of N shares of the shards, 1 ≤ i ≤ N, and finishes nothing; a
+        call without ``part`` does what is left.
+    progress, estimate
+        called after every tile with the values done and all, and once before the first with what
+        the run will take (:class:`standfast.run.Estimate`).
+
+    Returns
+    -------
+    The finished atlas; None after a part.
+
+    Raises
+    ------
+    InputError
+        if the output belongs to another study or another run, or the study does not fit the disk.
+    OSError
+        if the disk fills up after all; what is done stays and the same call goes on.
+    """
+    check_run(threads, part)
+    return run_job(
+        _Sweep(study),
+        Path(output),
+        threads=threads,
+        part=part,
+        progress=progress,
+        estimate=estimate,
+    )
+
+
+class _Sweep:
+    """A sweep as the loop takes it: a unit is a tile, a piece its encoded chunks."""
+
+    what = "values"
+
+    def __init__(self, study: Study) -> None:
+        self.study = study
+
+    @cached_property
+    def _evaluate(self) -> Evaluator:
+        return Evaluator(self.study)
+
+    def units(self, shard: int) -> list[Tile]:
+        return self.study.grid.shard(shard)
+
+    def size(self, unit: Tile) -> int:
+        return self.study.grid.values_of(unit)
+
+    def kind(self, unit: Tile) -> Hashable:
+        return self.study.grid.groups[unit.group]
+
+    def batch(self, kind: Hashable) -> int:
+        return STEPS_TOGETHER if isinstance(kind, Group) and kind.by_steps else 1
+
+    def compute(self, unit: Tile) -> EncodedTile:
+        group = self.study.grid.groups[unit.group]
+        value = self._evaluate.uniform(unit)
+        if value is not None and group.axes:
+            chunk = encoded_constant(group.dtype.str, int(value), int(np.prod(group.chunk_shape)))
+            return EncodedTile(unit, (chunk,))
+        arrays = self._evaluate(unit)
+        if group.axes:
+            return EncodedTile(unit, tuple(encoded(array) for array in arrays))
+        return EncodedTile(unit, tuple(np.asarray(array).tobytes() for array in arrays))
+
+    def stored_bytes(self, unit: Tile, piece: EncodedTile) -> float:
+        del unit
+        return sum(map(len, piece.chunks))
+
+    def into_shard(
+        self, path: Path | None, shard: int, pieces: Iterable[EncodedTile]
+    ) -> Generator[EncodedTile, None, None]:
+        del shard
+        if path is None:
+            yield from pieces
+        else:
+            yield from write_chunks(path, self.study, pieces, header=HEADER_BYTES)
+
+    def out_of_shard(self, path: Path, shard: int) -> Iterator[EncodedTile]:
+        return read_chunks(path, self.study, self.study.grid.shard(shard))
+
+    def assemble(self, path: Path, pieces: Iterable[EncodedTile]) -> None:
+        write_atlas(path, self.study, pieces)
+
+    def open(self, path: Path) -> Atlas:
+        atlas = open_atlas(path)
+        if atlas.study.fingerprint != self.study.fingerprint:
+            raise InputError(
+                f"{atlas.path} is the atlas of another study "
+                f"({self.study.difference(atlas.study)}); "
+                "choose another output or move it away"
+            )
+        return atlas
+
+    def log(self) -> dict[str, Any]:
+        return {
+            "values": self.study.points,
+            "verdicts_settled_by_exact_arithmetic": self._evaluate.resolved_exactly,
+            "bytes_before_compression": self.study.raw_bytes,
+        }

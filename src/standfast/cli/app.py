@@ -1,0 +1,91 @@
+"""The command ``standfast``: its words, its errors and its exit codes."""
+
+import argparse
+import contextlib
+import io
+import os
+import sys
+from collections.abc import Sequence
+
+from standfast.cli.assess import add_assess
+from standfast.cli.compile_cache import compiled_programs_kept
+from standfast.cli.info import add_info
+from standfast.cli.parsing import StoppedError
+from standfast.cli.plot import add_plot
+from standfast.cli.population import add_population
+from standfast.cli.reproduce import add_reproduce
+from standfast.cli.sweep import add_sweep
+from standfast.cli.thresholds import add_thresholds
+from standfast.errors import InputError
+from standfast.version import __version__
+
+DONE, FAILED, WRONG_INPUT = 0, 1, 2
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return the exit code: 0 done, 1 failed, 2 wrong input."""
+    return _exit_code(_parser().parse_args(arguments))
+
+
+def run() -> None:
+    """Entry point of the installed command: :func:`main` in a process of its own."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # a console without Greek letters shows "?"
+            stream.reconfigure(errors="replace")
+    os.environ["MPLBACKEND"] = "agg"  # figures go to files, whatever the user's screen
+    options = _parser().parse_args()
+    with compiled_programs_kept() if options.compiles else contextlib.nullcontext():
+        code = _exit_code(options)
+    if code == FAILED:
+        # threads of an interrupted run must not meet the interpreter taking itself apart
+        print(end="", flush=True)
+        sys.stderr.flush()
+        os._exit(code)
+    sys.exit(code)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="standfast",
+        description="How stiff must ankle, knee and hip be for a person to stand?",
+        epilog="example: standfast reproduce",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"standfast {__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for add in (
+        add_sweep,
+        add_thresholds,
+        add_plot,
+        add_population,
+        add_assess,
+        add_info,
+        add_reproduce,
+    ):
+        add(commands)
+    return parser
+
+
+def _exit_code(options: argparse.Namespace) -> int:
+    """Run the command that was asked for; say in one sentence what went wrong."""
+    try:
+        options.run(options)
+        print(end="", flush=True)  # while a closed pipe can still be told from a failure
+    except InputError as error:
+        return _complain(str(error), WRONG_INPUT)
+    except BrokenPipeError:  # the reader of a pipe has seen enough
+        sys.stdout = None
+        return DONE
+    except StoppedError as stop:
+        return _complain(str(stop), FAILED)
+    except OSError as error:
+        where = f" ({error.filename})" if error.filename else ""
+        return _complain(f"{error.strerror or error}{where}", FAILED)
+    except KeyboardInterrupt:
+        return _complain("stopped", FAILED)
+    return DONE
+
+
+def _complain(sentence: str, code: int) -> int:
+    print(f"standfast: {sentence}", file=sys.stderr)
+    return code

@@ -1,0 +1,145 @@
+"""``standfast assess``: thresholds and margins of single persons."""
+
+import argparse
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from standfast.cli.parsing import add_command
+from standfast.cli.rejected import print_rejected, write_rejected
+from standfast.errors import InputError, nearest_name
+from standfast.parameters import BODY_MODELS, JOINTS, PARAMETERS, STANDARD_GRAVITY, checked_number
+
+if TYPE_CHECKING:
+    from standfast.population.assess import Assessment
+
+
+def add_assess(commands: Any) -> None:
+    """Declare the command."""
+    parser = add_command(
+        commands,
+        "assess",
+        _assess,
+        "thresholds and margins of single persons, one line each",
+        "people.csv --knee inf --hip 700",
+        compiles=True,
+    )
+    parser.add_argument(
+        "people",
+        type=Path,
+        nargs="+",
+        metavar="PEOPLE.csv",
+        help="columns height (m; height_cm), mass (kg), and if known id, sex, age, "
+        "ankle_stiffness, knee_stiffness, hip_stiffness (N·m/rad, both legs; inf is rigid); "
+        "further files are joined by id",
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE.csv", help="default: NAME-assessed.csv"
+    )
+    for joint in JOINTS:
+        parser.add_argument(
+            f"--{joint}",
+            metavar="K",
+            help=f"stiffness of the {joint} where the file has none, N·m/rad or inf",
+        )
+    parser.add_argument("--body-model", default="winter", metavar="MODEL", help="default: winter")
+    parser.add_argument(
+        "--gravity", default=str(STANDARD_GRAVITY), metavar="G", help="m/s² (default: %(default)s)"
+    )
+    parser.add_argument("--strict", action="store_true", help="stop at the first unusable row")
+    parser.add_argument("--json", action="store_true", help="the summary as one JSON object")
+
+
+def _assess(options: argparse.Namespace) -> None:
+    from standfast.population import read_people
+    from standfast.population.assess import assess, write_assessment
+
+    if options.body_model not in BODY_MODELS:
+        raise InputError(
+            f"--body-model {options.body_model} is not known"
+            f"{nearest_name(options.body_model, BODY_MODELS)} (models: {', '.join(BODY_MODELS)})"
+        )
+    gravity = _number("--gravity", options.gravity, "gravity")
+    otherwise = {
+        joint: _number(f"--{joint}", text, f"{joint}_stiffness")
+        for joint in JOINTS
+        if (text := getattr(options, joint)) is not None
+    }
+    output: Path = options.output or Path(f"{options.people[0].stem}-assessed.csv")
+    if output.resolve() in [path.resolve() for path in options.people]:
+        raise InputError(f"{output} is the file of people itself; choose another output with -o")
+    people = read_people(options.people, strict=options.strict)
+    found = assess(people, body_model=options.body_model, gravity=gravity, otherwise=otherwise)
+    write_assessment(found, output)
+    summary = _summary_of(found)
+    written = [output, *write_rejected(summary["rejected"], output)]
+    if options.json:
+        print(json.dumps(summary, ensure_ascii=False))
+    else:
+        _print_summary(summary)
+        print(f"Written: {', '.join(str(path) for path in written)}")
+
+
+def _print_summary(summary: Mapping[str, Any]) -> None:
+    rejected = summary["rejected"]
+    print(f"{summary['persons']:,} persons assessed, {len(rejected):,} rows rejected")
+    print_rejected(rejected)
+    for remark in summary["remarks"]:
+        print(f"    note: {remark}")
+    for joint, (low, middle, high) in summary["threshold_alone"].items():
+        print(
+            f"  {joint:6} alone, the others rigid, needs {middle:.4g} N·m/rad (median; "
+            f"{low:.4g} to {high:.4g} for nine in ten)"
+        )
+    if not summary["judged"]:
+        print("  no one has all three stiffnesses; give --ankle, --knee, --hip for a verdict")
+        return
+    print(
+        f"  {summary['stand']:,} of {summary['judged']:,} with known stiffness stand, "
+        f"{summary['stand_with_hip_strategy']:,} of them by the hip strategy "
+        "(the hip turns more than the ankle)"
+    )
+    for joint, fallen in summary["least_gain_at"].items():
+        print(f"  {fallen:,} who fall would stand with the least gain at the {joint}")
+    if summary["fall_whatever_one_joint_gains"]:
+        print(f"  {summary['fall_whatever_one_joint_gains']:,} fall whatever one joint gains")
+
+
+def _summary_of(found: "Assessment") -> dict[str, Any]:
+    import numpy as np
+
+    columns = found.columns
+    quantiles = {
+        joint: np.quantile(columns[f"{joint}_threshold_alone_Nm_rad"], (0.05, 0.5, 0.95)).tolist()
+        for joint in JOINTS
+    }
+    best = {joint: int((columns["least_gain_at"] == joint).sum()) for joint in JOINTS}
+    return {
+        "persons": len(found.people),
+        "rejected": [
+            {"file": r.file, "line": r.line, "reason": r.reason} for r in found.people.rejected
+        ],
+        "remarks": list(found.people.remarks),
+        "threshold_alone": quantiles,
+        "judged": int(found.judged.sum()),
+        "stand": int((columns["stands"] == "yes").sum()),
+        "stand_with_hip_strategy": int(
+            ((columns["strategy"] == "hip") & (columns["stands"] == "yes")).sum()
+        ),
+        "fall_whatever_one_joint_gains": int(
+            (found.falls & (columns["least_gain_at"] == "")).sum()
+        ),
+        "least_gain_at": {joint: number for joint, number in best.items() if number},
+    }
+
+
+def _number(option: str, text: str, parameter: str) -> float:
+    try:
+        number: float | str = float(text)
+    except ValueError:
+        number = text
+    if isinstance(number, float) and math.isnan(number):
+        number = text
+    return checked_number(option, number, row=PARAMETERS[parameter])

@@ -1,0 +1,113 @@
+"""``standfast info``: what is inside a file, finished or not, on one screen."""
+
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from standfast.cli.parsing import add_command
+from standfast.files import in_bytes
+from standfast.parameters import PARAMETERS
+
+if TYPE_CHECKING:
+    from standfast.atlas import Atlas
+    from standfast.study import Study
+
+
+def add_info(commands: Any) -> None:
+    """Declare the command."""
+    parser = add_command(
+        commands, "info", _info, "say what is inside an atlas file, on one screen", "atlas.h5"
+    )
+    parser.add_argument("atlas", type=Path, metavar="FILE.h5")
+    parser.add_argument("--json", action="store_true", help="as one JSON object")
+
+
+def _info(options: argparse.Namespace) -> None:
+    from standfast.population.summary.file import is_population
+
+    path: Path = options.atlas
+    if is_population(path):
+        _print_population(path, as_json=options.json)
+    elif path.exists() or not _print_unfinished(path, as_json=options.json):
+        from standfast.atlas import open_atlas
+
+        atlas = open_atlas(path)
+        if options.json:
+            print(json.dumps(_facts(atlas)))
+        else:
+            _print_atlas(atlas)
+
+
+def _print_population(path: Path, *, as_json: bool) -> None:
+    from standfast.cli.population_text import print_summary
+    from standfast.population.summary.file import open_population
+
+    summary = open_population(path).summary
+    if as_json:
+        print(json.dumps({"complete": True, **summary}, ensure_ascii=False))
+    else:
+        print_summary(summary)
+
+
+def _print_unfinished(path: Path, *, as_json: bool) -> bool:
+    """Print what is known of a file that is being made; return whether one is."""
+    from standfast.population import PopulationStudy
+    from standfast.run import unfinished
+    from standfast.study import Study
+
+    found: tuple[PopulationStudy | Study, int] | None
+    found = unfinished(path, PopulationStudy) or unfinished(path, Study)
+    if found is None:
+        return False
+    study, done = found
+    count = study.shard_count
+    if as_json:
+        print(json.dumps({"title": study.title, "complete": False, "done": done, "of": count}))
+        return True
+    print(f"{path}: {study.title or 'untitled study'}")
+    print(f"not finished, {done} of {count} shards; the same command goes on")
+    if isinstance(study, Study):
+        print()
+        _print_parameters(study)
+    return True
+
+
+def _facts(atlas: "Atlas") -> dict[str, Any]:
+    study = atlas.study
+    return {
+        "title": study.title,
+        "complete": True,
+        "standfast_version": atlas.version,
+        "study_sha256": study.fingerprint,
+        "study": json.loads(study.canonical),
+        "values": study.points,
+        "bytes": atlas.path.stat().st_size,
+        "quantities": {name: list(atlas[name].dims) for name in atlas.quantities},
+    }
+
+
+def _print_atlas(atlas: "Atlas") -> None:
+    study = atlas.study
+    print(f"{atlas.path}: {study.title or 'untitled study'}")
+    print(
+        f"complete, {study.points:,} values, {in_bytes(atlas.path.stat().st_size)}, "
+        f"written by standfast {atlas.version}\n"
+    )
+    _print_parameters(study)
+    print()
+    for name, variable in atlas.items():
+        axes = " × ".join(
+            f"{axis} {n}" for axis, n in zip(variable.dims, variable.shape, strict=True)
+        )
+        print(f"  {name:26}{axes or 'one value'}   [{variable.units}]")
+    print(f"\nstudy {study.fingerprint}")
+
+
+def _print_parameters(study: "Study") -> None:
+    from standfast.study import describe
+
+    for name, value in study.parameters.items():
+        row = PARAMETERS[name]
+        unit = "" if row.choices else f" {row.unit}"
+        print(f"  {name:18}{describe(value)}{unit}")

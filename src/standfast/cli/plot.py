@@ -1,0 +1,48 @@
+"""``standfast plot``: the figures of an atlas, or of a population."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from standfast.cli.parsing import add_command, add_folder_option, add_format_option, made_folder
+
+
+def add_plot(commands: Any) -> None:
+    """Declare the command."""
+    parser = add_command(
+        commands,
+        "plot",
+        _plot,
+        "draw an atlas: limits of standing, maps and curves of its quantities",
+        "atlas.h5 -o results --format pdf",
+    )
+    parser.add_argument("atlas", type=Path, metavar="FILE.h5")
+    add_folder_option(parser)
+    parser.add_argument(
+        "-q", "--quantity", action="append", default=[], metavar="NAME", help="only this one"
+    )
+    add_format_option(parser)
+
+
+def _plot(options: argparse.Namespace) -> None:
+    from standfast.population.summary.file import is_population
+
+    formats = options.format or ("png",)
+    if is_population(options.atlas):
+        from standfast.figures.population_figures import draw
+        from standfast.population.summary.file import open_population
+
+        stem = made_folder(options.output) / options.atlas.stem
+        paths = draw(open_population(options.atlas), stem, formats)
+        print(f"Written to {options.output}: {', '.join(path.name for path in paths)}")
+        return
+    from standfast.atlas import open_atlas
+    from standfast.figures.atlas_figures import plot
+
+    atlas = open_atlas(options.atlas)
+    folder = made_folder(options.output)
+    drawn = plot(atlas, folder, quantities=options.quantity, formats=formats)
+    print(f"Written to {folder}:")
+    for drawing in drawn:
+        note = f"   ({drawing.left_out})" if drawing.left_out else ""
+        print(f"  {', '.join(path.name for path in drawing.paths)}{note}")

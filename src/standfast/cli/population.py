@@ -1,0 +1,59 @@
+"""``standfast population``: who of a population would not stand, and what it would take."""
+
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from standfast.cli.parsing import add_command, add_format_option
+from standfast.cli.population_text import print_summary
+from standfast.cli.rejected import write_rejected
+from standfast.cli.running import add_run_options, output_of, run_shards
+
+if TYPE_CHECKING:
+    from standfast.population import PopulationStudy
+    from standfast.population.summary.file import Population
+
+
+def add_population(commands: Any) -> None:
+    """Declare the command."""
+    parser = add_command(
+        commands,
+        "population",
+        _population,
+        "who of a population would not stand, and what it would take (the same command resumes)",
+        "studies/us-adults.toml",
+        compiles=True,
+    )
+    add_run_options(parser, "count")
+    parser.add_argument("--strict", action="store_true", help="stop at the first unusable row")
+    parser.add_argument("--json", action="store_true", help="all answers as one JSON object")
+    parser.add_argument("--no-figures", action="store_true", help="write no figures")
+    add_format_option(parser, "of the figures; ")
+
+
+def _population(options: argparse.Namespace) -> None:
+    from standfast.population import PopulationStudy
+
+    study = PopulationStudy.from_toml(options.study)
+    found = run_shards(_compute, study, options, "persons", strict=options.strict)
+    if found is None:
+        return
+    output = output_of(options)
+    written = [output, *write_rejected(found.summary["people"].get("rejected", []), output)]
+    if not options.no_figures:
+        from standfast.figures.population_figures import draw
+
+        written += draw(found, output.with_suffix(""), options.format or ("png",))
+    if options.json:
+        print(json.dumps(found.summary, ensure_ascii=False))
+        return
+    print_summary(found.summary)
+    print(f"\nWritten to {output.parent}: {', '.join(path.name for path in written)}")
+
+
+def _compute(study: "PopulationStudy", output: Path, **settings: Any) -> "Population | None":
+    from standfast.population.simulation import simulate
+
+    found: Population | None = simulate(study, output, **settings)
+    return found

@@ -1,0 +1,100 @@
+"""What runs in shards share: their options, bar, estimate and stop, and how one goes on."""
+
+import argparse
+import contextlib
+import errno
+import shlex
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, TypeVar
+
+from standfast.cli.parsing import StoppedError, number_of_threads, share_of_work
+
+Result = TypeVar("Result")
+
+
+def add_run_options(parser: argparse.ArgumentParser, work: str) -> None:
+    """Declare a study and the options of a run that is done in shards."""
+    parser.add_argument("study", type=Path, metavar="STUDY.toml")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE.h5", help="default: the study's name with .h5"
+    )
+    parser.add_argument(
+        "--part",
+        type=share_of_work,
+        metavar="i/N",
+        help="compute the i-th of N shares only, for array jobs; a later call finishes",
+    )
+    parser.add_argument(
+        "--threads",
+        type=number_of_threads,
+        metavar="N",
+        help=f"threads that {work} (default: all cores)",
+    )
+
+
+def output_of(options: argparse.Namespace) -> Path:
+    """Return the file that a run writes."""
+    output: Path = options.output or Path(options.study.name).with_suffix(".h5")
+    return output
+
+
+def run_shards(
+    compute: Callable[..., Result | None],
+    study: Any,
+    options: argparse.Namespace,
+    what: str,
+    **settings: Any,
+) -> Result | None:
+    """Compute a study in shards, with a bar; say so if it was a share only, and return None.
+
+    ``compute`` is called as :func:`standfast.sweep` is, with ``settings`` besides. What it imports
+    is imported where Ctrl-C can wait.
+    """
+    from standfast.cli.progress import interruptible, progress_bar
+
+    output = output_of(options)
+    with progress_bar(what) as (show_estimate, show_progress), interruptible() as stop_if_asked:
+
+        def after_estimate(estimate: Any) -> None:
+            show_estimate(estimate)
+            stop_if_asked()
+
+        def after_unit(done: int, total: int) -> None:
+            show_progress(done, total)
+            stop_if_asked()
+
+        with kept_when_stopped(output):
+            found = compute(
+                study,
+                output,
+                threads=options.threads,
+                part=options.part,
+                progress=after_unit,
+                estimate=after_estimate,
+                **settings,
+            )
+    if found is None:
+        share = "{}/{}".format(*options.part)
+        print(f"Share {share} of {output} is done; without --part the same command finishes it.")
+    return found
+
+
+@contextlib.contextmanager
+def kept_when_stopped(output: Path) -> Iterator[None]:
+    """Say of a run that is interrupted, or whose disk fills up, what is kept and how to go on."""
+    again = "standfast " + " ".join(shlex.quote(word) for word in sys.argv[1:])
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise StoppedError(
+            f"stopped; shards that are done are kept in {output}.parts. To go on: {again}"
+        ) from None
+    except OSError as error:
+        if error.errno == errno.ENOSPC:
+            raise StoppedError(
+                f"the disk is full; shards that are done are kept in {output}.parts. "
+                f"Make room, then go on: {again}"
+            ) from None
+        raise

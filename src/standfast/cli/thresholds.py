@@ -1,0 +1,72 @@
+"""``standfast thresholds``: limits of standing of a study or of an atlas."""
+
+import argparse
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from standfast.cli.parsing import add_command, add_folder_option, made_folder
+
+if TYPE_CHECKING:
+    from standfast.thresholds import Contour
+
+MOST_LINES = 20
+
+
+def add_thresholds(commands: Any) -> None:
+    """Declare the command."""
+    parser = add_command(
+        commands,
+        "thresholds",
+        _thresholds,
+        "limits of standing over ankle and hip: exact curves of a study, contours of an atlas",
+        "atlas.h5 -o results",
+    )
+    parser.add_argument("source", type=Path, metavar="FILE.h5|STUDY.toml")
+    add_folder_option(parser)
+
+
+def _thresholds(options: argparse.Namespace) -> None:
+    from standfast import thresholds
+
+    source: Path = options.source
+    folder = made_folder(options.output)
+    lines: list[str] = []
+    if source.suffix == ".toml":
+        from standfast.study import Study
+
+        study = Study.from_toml(source)
+        found = thresholds.exact_contours(study)
+    else:
+        from standfast.atlas import open_atlas
+
+        atlas = open_atlas(source)
+        study = atlas.study
+        lines.append(f"contours of {thresholds.source_of(atlas)[0]}, plane by plane:")
+        found = _described(thresholds.extracted_contours(atlas), lines)
+    # the files first: whoever reads what is printed may have seen enough after one line
+    written = thresholds.write_tables(study, found, folder / f"{source.stem}-thresholds")
+    for line in lines:
+        print(line)
+    print(f"Written to {folder}: {', '.join(path.name for path in written)}")
+
+
+def _described(found: Iterator["Contour"], lines: list[str]) -> Iterator["Contour"]:
+    """Hand contours on; add to ``lines`` how far the first ones lie from the closed form."""
+    count, greatest = 0, 0.0
+    for contour in found:
+        count += 1
+        crossed = bool(contour.lines)
+        greatest = max(greatest, contour.greatest) if crossed else greatest
+        if count <= MOST_LINES:
+            where = ", ".join(f"{key} {value}" for key, value in contour.plane.values.items())
+            far = (
+                f"distance from closed form at most {contour.greatest:.3g}, mean "
+                f"{contour.mean:.3g} N·m/rad (step of the grid {contour.resolution:.3g})"
+                if crossed
+                else "no limit of standing on it"
+            )
+            lines.append(f"  {where or 'the plane'}: {far}")
+        yield contour
+    if count > MOST_LINES:
+        lines.append(f"  … {count} planes in all, distance at most {greatest:.3g} N·m/rad")

@@ -1,0 +1,149 @@
+"""The matrices A and C of the linearised equations A q̈ + C q = 0 of the standing person.
+
+The feet are fixed; shank, thigh and upper body turn in the sagittal plane about ankle, knee and
+hip. The paper's appendix with A and C is not in its printed text; they are derived here.
+
+notation: m mass, I inertia, h length, e height of the centre of mass in its segment, K stiffness,
+G gravity part of C, γ gravity load of a segment, g gravity; s, t, b shank, thigh, upper body;
+a, k, h ankle, knee, hip (Gait & Posture 25 (2007) 432-439).
+"""
+
+from standfast.anthropometry import Body
+from standfast.mechanics.joints import Stiffness, checked_person
+from standfast.numerics.arrays import Array, Matrix, Scalar, Vector, namespace, stacked
+from standfast.numerics.pairs import Pair, add, multiply, negate, product
+from standfast.parameters import STANDARD_GRAVITY
+
+
+def inertia_matrix(body: Body) -> Array:
+    """Return the inertia matrix A of the linearised equations A q̈ + C q = 0.
+
+    A = Tᵀ M T, with M of :func:`segment_inertia`.
+
+    Returns
+    -------
+    (3, 3), kg·m², symmetric and positive definite; rows ankle, knee, hip.
+    """
+    return stacked(joint_inertia(body))
+
+
+def stiffness_matrix(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY) -> Array:
+    """Return the stiffness matrix C of the linearised equations, springs less gravity.
+
+    C = diag(Ka, Kk, Kh) − [[G1, G2, G3], [G2, G2, G3], [G3, G3, G3]]
+    with G1 = γs + γt + γb, G2 = γt + γb, G3 = γb of :func:`gravity_loads`.
+
+    Returns
+    -------
+    (3, 3), N·m/rad, symmetric; a rigid joint has ``inf`` on the diagonal.
+
+    Raises
+    ------
+    InputError
+        if gravity is out of range.
+    """
+    checked_person(body, stiffness, gravity)
+    return stacked(stiffness_rows(body, stiffness, gravity))
+
+
+def stiffness_rows(body: Body, stiffness: Stiffness, gravity: Scalar) -> Matrix:
+    """Return C as rows."""
+    (g1, g2, g3), _, _ = joint_gravity(body, gravity)
+    ankle, knee, hip = stiffness
+    return (
+        (ankle - g1, -g2, -g3),
+        (-g2, knee - g2, -g3),
+        (-g3, -g3, hip - g3),
+    )
+
+
+def gravity_loads(body: Body, gravity: Scalar) -> Vector:
+    """Return the gravity load of each segment: its toppling moment per radian of its own angle.
+
+    γs = g (ms es + (mt + mb) hs),  γt = g (mt et + mb ht),  γb = g mb eb
+
+    Returns
+    -------
+    shank, thigh, upper body; N·m/rad, all positive.
+    """
+    namespace(*body, gravity)  # refuses single precision
+    g = gravity
+    ms, mt, mb = body.segment_mass
+    hs, ht = body.segment_length
+    es, et, eb = body.segment_com
+    return (
+        g * (ms * es + (mt + mb) * hs),
+        g * (mt * et + mb * ht),
+        g * (mb * eb),
+    )
+
+
+def joint_gravity(body: Body, gravity: Scalar) -> Matrix:
+    """Return the gravity part of C, as rows, with a positive sign: C = diag(K) − this."""
+    shank, thigh, upper = gravity_loads(body, gravity)
+    g1, g2, g3 = shank + (thigh + upper), thigh + upper, upper
+    return ((g1, g2, g3), (g2, g2, g3), (g3, g3, g3))
+
+
+def segment_inertia(body: Body) -> Matrix:
+    """Return M, the inertia matrix in segment angles at the upright posture, as rows.
+
+    M = [[Is + ms es² + (mt + mb) hs², (mt et + mb ht) hs, mb hs eb],
+         [·,                           It + mt et² + mb ht², mb ht eb],
+         [·,                           ·,                    Ib + mb eb²]]
+    """
+    ms, mt, mb = body.segment_mass
+    i_s, i_t, i_b = body.segment_inertia
+    hs, ht = body.segment_length
+    es, et, eb = body.segment_com
+    m12 = (mt * et + mb * ht) * hs
+    m13 = mb * hs * eb
+    m23 = mb * ht * eb
+    return (
+        (i_s + ms * es**2 + (mt + mb) * hs**2, m12, m13),
+        (m12, i_t + mt * et**2 + mb * ht**2, m23),
+        (m13, m23, i_b + mb * eb**2),
+    )
+
+
+def joint_inertia(body: Body) -> Matrix:
+    """Return A = Tᵀ M T as rows: each entry sums the part of M below and right of it."""
+    (m11, m12, m13), (_, m22, m23), (_, _, m33) = segment_inertia(body)
+    a33 = m33
+    a23 = m23 + m33
+    a13 = m13 + a23
+    a22 = m22 + m23 + a23
+    a12 = m12 + m13 + a22
+    a11 = m11 + m12 + m13 + a12
+    return ((a11, a12, a13), (a12, a22, a23), (a13, a23, a33))
+
+
+def second_variation(body: Body, stiffness: Stiffness, gravity: Scalar, rotation: Vector) -> Scalar:
+    """Return qᵀ C q, twice the potential energy of a small rotation, to the last digits.
+
+    qᵀ C q = Ka θa² + Kk θk² + Kh θh² − γs φs² − γt φt² − γb φb²: near the threshold of stability
+    springs and gravity cancel, so the whole sum is carried in pairs of float64. A rigid joint
+    stores nothing: its rotation is 0.
+    """
+    xp = namespace(*body, *stiffness, gravity, *rotation)
+    total: Pair = (xp.asarray(0.0), xp.asarray(0.0))
+    for k, turn in zip(stiffness, rotation, strict=True):
+        flexible = xp.where(xp.isinf(k), 0.0, k)
+        total = add(total, multiply(product(turn, turn), (flexible, 0.0)))
+    angle: Pair = (xp.asarray(0.0), xp.asarray(0.0))
+    for load, turn in zip(gravity_load_pairs(body, gravity), rotation, strict=True):
+        angle = add(angle, (turn, 0.0))
+        total = add(total, negate(multiply(load, multiply(angle, angle))))
+    return total[0] + total[1]
+
+
+def gravity_load_pairs(body: Body, gravity: Scalar) -> tuple[Pair, Pair, Pair]:
+    """Return :func:`gravity_loads` in pairs."""
+    ms, mt, mb = body.segment_mass
+    hs, ht = body.segment_length
+    es, et, eb = body.segment_com
+    shank = add(add(product(ms, es), product(mt, hs)), product(mb, hs))
+    thigh = add(product(mt, et), product(mb, ht))
+    upper = product(mb, eb)
+    g = (gravity, 0.0)
+    return multiply(shank, g), multiply(thigh, g), multiply(upper, g)

@@ -1,0 +1,128 @@
+"""Energies and the nonlinear equations of motion of the standing person, at any posture.
+
+``rotation`` q = (θa, θk, θh) holds the rotations between adjacent segments, all counted in the
+same sense (rad), so a segment's angle from the vertical is the sum of the rotations below it:
+φ = T q with T = [[1, 0, 0], [1, 1, 0], [1, 1, 1]].
+
+notation: m mass, I inertia, h length, e height of the centre of mass in its segment, K stiffness,
+g gravity; s, t, b shank, thigh, upper body; a, k, h ankle, knee, hip (Gait & Posture 25 (2007)
+432-439).
+"""
+
+from typing import Any
+
+import numpy as np
+
+from standfast.anthropometry import Body
+from standfast.mechanics.joints import Stiffness
+from standfast.mechanics.matrices import gravity_loads, segment_inertia
+from standfast.numerics.arrays import Array, Scalar, Vector, namespace
+from standfast.parameters import checked_scalar
+
+
+def segment_angles(rotation: Vector) -> Vector:
+    """Return φ = T q, the angles of shank, thigh and upper body from the vertical (rad)."""
+    ankle, knee, hip = rotation
+    return (ankle, ankle + knee, ankle + knee + hip)
+
+
+def potential_energy(body: Body, stiffness: Stiffness, gravity: Scalar, rotation: Vector) -> Scalar:
+    """Return the energy of springs and gravity at any posture, 0 when upright (J).
+
+    V = ½ (Ka θa² + Kk θk² + Kh θh²) − γs (1 − cos φs) − γt (1 − cos φt) − γb (1 − cos φb).
+    A rigid joint stores nothing while its rotation is 0, and would store infinitely much.
+
+    Raises
+    ------
+    InputError
+        if gravity is out of range.
+    """
+    checked_scalar("gravity", gravity)
+    xp = namespace(*body, *stiffness, gravity, *rotation)
+    springs = sum(
+        0.5 * _spring_moment(xp, k, angle) * angle
+        for k, angle in zip(stiffness, rotation, strict=True)
+    )
+    # 1 − cos φ as 2 sin²(φ/2), which keeps its digits at small angles
+    drop = sum(
+        load * 2.0 * xp.sin(0.5 * angle) ** 2
+        for load, angle in zip(gravity_loads(body, gravity), segment_angles(rotation), strict=True)
+    )
+    return springs - drop
+
+
+def kinetic_energy(body: Body, rotation: Vector, velocity: Vector) -> Scalar:
+    """Return the kinetic energy at any posture and joint velocity (rad/s), in J.
+
+    T = ½ Σ m (ẋ² + ż²) + ½ Σ I φ̇², with the velocity of each centre of mass written out.
+    """
+    xp = namespace(*body, *rotation, *velocity)
+    hs, ht = body.segment_length
+    es, et, eb = body.segment_com
+    angles = segment_angles(rotation)
+    rates = segment_angles(velocity)
+    energy = 0.0
+    for mass, inertia, arms, rate in zip(
+        body.segment_mass,
+        body.segment_inertia,
+        ((es, 0.0, 0.0), (hs, et, 0.0), (hs, ht, eb)),
+        rates,
+        strict=True,
+    ):
+        parts = list(zip(arms, angles, rates, strict=True))
+        forward = sum(arm * xp.cos(angle) * turn for arm, angle, turn in parts)
+        downward = sum(arm * xp.sin(angle) * turn for arm, angle, turn in parts)
+        energy = energy + 0.5 * mass * (forward**2 + downward**2) + 0.5 * inertia * rate**2
+    return energy
+
+
+def joint_moments(
+    body: Body,
+    stiffness: Stiffness,
+    gravity: Scalar,
+    rotation: Vector,
+    velocity: Vector,
+    acceleration: Vector,
+) -> Array:
+    """Return the outer moments that a motion needs: the full nonlinear equations of motion.
+
+    In segment angles, with M of :func:`segment_inertia` and moments taken back by Tᵀ:
+    Tᵀ [ Σj Mij cos(φi − φj) φ̈j + Σj Mij sin(φi − φj) φ̇j² − γi sin φi ] + K q = moments.
+    Linearised about upright this is A q̈ + C q.
+
+    Returns
+    -------
+    (3,), N·m, at ankle, knee and hip; 0 for free motion. At a rigid joint that does not turn it is
+    the moment that the joint bears.
+
+    Raises
+    ------
+    InputError
+        if gravity is out of range.
+    """
+    checked_scalar("gravity", gravity)
+    xp = namespace(*body, *stiffness, gravity, *rotation, *velocity, *acceleration)
+    inertia = segment_inertia(body)
+    angles = segment_angles(rotation)
+    rates = segment_angles(velocity)
+    turning = segment_angles(acceleration)
+    on_segments = [
+        sum(
+            inertia[i][j]
+            * (
+                xp.cos(angles[i] - angles[j]) * turning[j]
+                + xp.sin(angles[i] - angles[j]) * rates[j] ** 2
+            )
+            for j in range(3)
+        )
+        - load * xp.sin(angles[i])
+        for i, load in enumerate(gravity_loads(body, gravity))
+    ]
+    springs = [_spring_moment(xp, k, angle) for k, angle in zip(stiffness, rotation, strict=True)]
+    return xp.stack([springs[i] + sum(on_segments[i:]) for i in range(3)])
+
+
+@np.errstate(invalid="ignore")
+def _spring_moment(xp: Any, stiffness: Scalar, angle: Scalar) -> Scalar:
+    """Return K θ; 0 for a rigid joint that does not turn."""
+    return xp.where(xp.isinf(stiffness) & (angle == 0.0), 0.0, stiffness * xp.asarray(angle))

@@ -1,0 +1,1 @@
+"""Numbers alone: array libraries, vectors, pairs of float64, cubics, eigenvectors."""

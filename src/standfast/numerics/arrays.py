@@ -1,0 +1,46 @@
+"""Float64 arrays of NumPy or JAX: which library a formula runs in.
+
+Every formula of the package is written once and asks its own arguments which library they belong
+to (the ``__array_namespace__`` of the array API standard). On plain numbers it runs in NumPy, at
+once and always in float64; inside ``jit`` and ``vmap`` the same lines are traced by JAX.
+"""
+
+from typing import Any, TypeAlias
+
+import numpy as np
+
+Scalar: TypeAlias = Any  # float, NumPy or JAX float64 of shape ()
+Array: TypeAlias = Any  # NumPy or JAX array; the shape stands in the docstring
+Vector: TypeAlias = tuple[Scalar, Scalar, Scalar]
+Matrix: TypeAlias = tuple[Vector, Vector, Vector]
+
+ROUNDOFF = 2.0**-53  # unit roundoff of float64
+
+
+def namespace(*values: Any) -> Any:
+    """Return the array library of ``values``: JAX if any of them belongs to it, else NumPy.
+
+    Raises
+    ------
+    TypeError
+        if a value is of another precision than float64. JAX makes it so without a word unless
+        ``jax.config.update("jax_enable_x64", True)`` was called.
+    """
+    library = np
+    for value in values:
+        dtype = getattr(value, "dtype", np.float64)
+        if dtype != np.float64 and getattr(dtype, "kind", "") == "f":
+            raise TypeError(
+                f"standfast computes in float64 and was given {dtype}; "
+                'call jax.config.update("jax_enable_x64", True) before tracing it'
+            )
+        find = getattr(value, "__array_namespace__", None)
+        if find is not None and (found := find()) is not np:
+            library = found
+    return library
+
+
+def stacked(rows: Matrix) -> Array:
+    """Return a matrix given by its rows as an array (3, 3)."""
+    xp = namespace(*(entry for row in rows for entry in row))
+    return xp.stack([xp.stack([xp.asarray(entry) for entry in row]) for row in rows])

@@ -1,0 +1,1 @@
+"""What is simulated: one person after the other, counted into histograms."""

@@ -1,0 +1,125 @@
+"""Blocks of a cohort, sampled, judged and counted: the unit of a population's work."""
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from standfast.engine import map_over_batch
+from standfast.parameters import JOINTS
+from standfast.population.cohort.cohort import Cohort
+from standfast.population.cohort.histograms import (
+    bin_of,
+    bins_of,
+    class_of,
+    class_shape,
+    counted,
+    load_sums,
+)
+from standfast.population.cohort.persons import growth, outcome
+from standfast.population.people.study import PopulationStudy
+
+# Of so many persons the distributions are kept: more of them would add no digit that any model of
+# standing bears, and the rest are only asked whether they fall.
+DETAILED = 2**20
+
+# Of those who fall in a block, at most so many have their growth rate computed.
+MOST_FALLS = 8192
+
+# What is kept of every person when asked, beside whether they stand.
+KEPT = (
+    "height",
+    "mass",
+    "ankle_stiffness",
+    "knee_stiffness",
+    "hip_stiffness",
+    "safety_factor",
+    "stable",
+)
+
+
+class Blocks(NamedTuple):
+    """Some blocks of persons: their replicate and their numbers there."""
+
+    replicate: int
+    numbers: range
+
+
+class Counts(NamedTuple):
+    """What is known of some persons: counts by histogram, and what was kept of every one."""
+
+    histograms: Mapping[str, np.ndarray]
+    kept: bytes
+
+
+def histogram_shapes(cohort: Cohort) -> tuple[int, int]:
+    """Return the sizes of histograms: strata, and rows of a file of people."""
+    return len(cohort.strata), cohort.rows
+
+
+def is_detailed(study: PopulationStudy, block: int) -> bool:
+    """Return whether distributions are kept of a block's persons."""
+    return block * study.block_size * study.replicates < DETAILED
+
+
+def count_blocks(study: PopulationStudy, cohort: Cohort, blocks: Blocks) -> Counts:
+    """Sample and count the persons of some blocks, one after the other."""
+    histograms: dict[str, np.ndarray] = {}
+    kept = []
+    for number in blocks.numbers:
+        counts, persons = _count_block(study, cohort, blocks.replicate, number)
+        kept.append(persons)
+        for name, count in counts.items():
+            histograms[name] = histograms[name] + count if name in histograms else count
+    return Counts(histograms, b"".join(kept))
+
+
+def _count_block(study: PopulationStudy, cohort: Cohort, replicate: int, block: int) -> Counts:
+    variates = cohort.sampler.variates(replicate, block, study.block_size)
+    numbers = cohort.numbers(variates)
+    size = study.block_persons(block)
+    detailed = is_detailed(study, block)
+    judge = bins_of if detailed else class_of
+    found = map_over_batch(judge, cohort.model, cohort.names)(numbers)
+    shape = class_shape(len(cohort.strata))
+    classes = np.bincount(found["class"][:size], minlength=math.prod(shape))
+    counts: dict[str, np.ndarray] = {"classes": classes.reshape(shape)}
+    fallen = found["class"][:size] & 1
+    if detailed:
+        counts |= _details(found, size)
+        counts["growth_rate"] = _growth_rates(cohort, numbers, fallen)
+    if cohort.rows:
+        rows = np.bincount(2 * cohort.rows_of(variates)[:size] + fallen, minlength=2 * cohort.rows)
+        counts["rows"] = rows.reshape(cohort.rows, 2)
+    return Counts(counts, _persons(cohort, numbers, size) if study.keeps_persons else b"")
+
+
+def _details(found: dict[str, np.ndarray], size: int) -> dict[str, np.ndarray]:
+    """Count the margins and thresholds of the first ``size`` persons of a block."""
+    required = [
+        [counted(found[f"{kind}_{joint}"][:size]) for kind in ("critical", "multiple")]
+        for joint in JOINTS
+    ]
+    return {
+        "safety_factor": counted(found["safety_factor"][:size]),
+        "required": np.array(required),
+        "load_sums": load_sums(found, size),
+    }
+
+
+def _growth_rates(cohort: Cohort, numbers: np.ndarray, fallen: np.ndarray) -> np.ndarray:
+    """Count the growth rates of the first who fall."""
+    rows = np.flatnonzero(fallen)[:MOST_FALLS]
+    if rows.size == 0:
+        return counted(rows)
+    padded = np.resize(rows, MOST_FALLS)
+    of_falls = map_over_batch(growth, cohort.model, cohort.names)
+    rates = of_falls(np.ascontiguousarray(numbers[:, padded]))["growth_rate"]
+    return counted(bin_of(rates[: rows.size]))
+
+
+def _persons(cohort: Cohort, numbers: np.ndarray, size: int) -> bytes:
+    """Return what is kept of every person, as columns of float64."""
+    found = map_over_batch(outcome, cohort.model, cohort.names)(numbers)
+    return np.array([found[name][:size] for name in KEPT], np.float64).tobytes()

@@ -1,0 +1,170 @@
+"""Counts over persons, in integers: the same whatever the order in which blocks are added.
+
+Values are counted in bins that divide each power of two evenly into 256, so a bin is found from the
+leading bits of the number, without a logarithm, and is at most 0.4 % wide.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from standfast.numerics.arrays import Scalar, namespace
+from standfast.parameters import JOINTS
+from standfast.population.cohort.persons import CohortModel, outcome, person_of
+from standfast.stability import verdict
+
+BITS_PER_OCTAVE = 8
+LOWEST_OCTAVE, OCTAVES = -12, 36  # 0.0002 to 16 million
+VALUE_BINS = OCTAVES << BITS_PER_OCTAVE
+_SHIFT = 52 - BITS_PER_OCTAVE
+_FIRST = (1023 + LOWEST_OCTAVE) << BITS_PER_OCTAVE
+
+# Edges of the classes people are told apart by, after the World Health Organization for BMI; the
+# fine bins of the risk map fall on all of them.
+HEIGHT_CLASSES = (1.55, 1.65, 1.75, 1.85)
+BMI_CLASSES = (18.5, 25.0, 30.0, 35.0, 40.0)
+HEIGHT_STEP, HEIGHT_BINS, HEIGHT_START = 0.025, 40, 1.2
+BMI_STEP, BMI_BINS, BMI_START = 0.5, 120, 10.0
+
+
+def bin_of(value: Scalar) -> Scalar:
+    """Return the bin of a value: 0 for what is too small, the last one for what is too large."""
+    xp = namespace(value)
+    bits = xp.asarray(value).view(xp.int64) >> _SHIFT
+    return xp.clip(bits - _FIRST + 1, 0, VALUE_BINS + 1).astype(xp.int32)
+
+
+def bin_edges() -> np.ndarray:
+    """Return the edges of the value bins, (VALUE_BINS + 1,)."""
+    bits = (np.arange(VALUE_BINS + 1, dtype=np.int64) + _FIRST) << _SHIFT
+    return bits.view(np.float64)
+
+
+def height_edges() -> np.ndarray:
+    """Return the edges of the bins of height, m."""
+    return np.round(HEIGHT_START + HEIGHT_STEP * np.arange(HEIGHT_BINS + 1), 3)
+
+
+def bmi_edges() -> np.ndarray:
+    """Return the edges of the bins of BMI, kg/m²."""
+    return BMI_START + BMI_STEP * np.arange(BMI_BINS + 1)
+
+
+def bins_of(model: CohortModel, given: dict[str, Scalar]) -> dict[str, Scalar]:
+    """Return the bins in which one person is counted, and the loads, which are added up.
+
+    ``class`` is the bin of stratum, height, BMI and verdict; bins 0 and last are what lies outside.
+    """
+    found = outcome(model, given)
+    bins: dict[str, Any] = {
+        "class": _class(found["stratum"], found["height"], found["mass"], found["stable"]),
+        "safety_factor": bin_of(found["safety_factor"]),
+    }
+    for joint in JOINTS:
+        bins[f"critical_{joint}"] = bin_of(found[f"critical_{joint}_stiffness"])
+        bins[f"multiple_{joint}"] = bin_of(found[f"{joint}_multiple"])
+        bins[f"load_{joint}"] = found[f"{joint}_load"]
+    return bins
+
+
+def class_of(model: CohortModel, given: dict[str, Scalar]) -> dict[str, Scalar]:
+    """Return the class of one person alone, as :func:`bins_of` does."""
+    person = person_of(model, given)
+    stands = verdict(person.body, person.stiffness, model.gravity)
+    return {"class": _class(person.stratum, person.height, person.mass, stands)}
+
+
+def _class(stratum: Scalar, height: Scalar, mass: Scalar, stable: Scalar) -> Scalar:
+    xp = namespace(stratum, height, mass)
+
+    def evenly(value: Scalar, start: float, step: float, bins: int) -> Scalar:
+        # a hair is added, so that an edge itself falls into the bin above it
+        number = xp.floor((value - start) * (1.0 / step) + 1e-9) + 1.0
+        return xp.clip(number, 0.0, bins + 1.0)
+
+    bmi = mass / height**2
+    number = stratum * (HEIGHT_BINS + 2) + evenly(height, HEIGHT_START, HEIGHT_STEP, HEIGHT_BINS)
+    number = number * (BMI_BINS + 2) + evenly(bmi, BMI_START, BMI_STEP, BMI_BINS)
+    return (2.0 * number + xp.where(stable, 0.0, 1.0)).astype(xp.int32)
+
+
+def load_sums(found: dict[str, np.ndarray], size: int) -> np.ndarray:
+    """Return sums (2, 3) of the joints' loads and of their squares over a block's persons."""
+    loads = np.array([found[f"load_{joint}"][:size] for joint in JOINTS])
+    return np.array([loads.sum(axis=1), np.square(loads).sum(axis=1)])
+
+
+@dataclass
+class Histograms:
+    """Persons counted, in integers but for sums of loads.
+
+    Attributes
+    ----------
+    classes : (strata, heights + 2, BMIs + 2, 2)
+        persons by stratum, height, BMI and verdict (0 stands, 1 falls).
+    safety_factor, growth_rate : (VALUE_BINS + 2,)
+        of all, and of some of those who fall.
+    required : (3, 2, VALUE_BINS + 2)
+        by joint: threshold in N·m/rad, and as a multiple of its distribution.
+    load_sums : (2, 3), N·m/rad
+        sums of the joints' loads and of their squares.
+    rows : (rows, 2)
+        how often each person of a file was sampled and stood, and was sampled and fell.
+    """
+
+    classes: np.ndarray
+    safety_factor: np.ndarray
+    growth_rate: np.ndarray
+    required: np.ndarray
+    load_sums: np.ndarray
+    rows: np.ndarray
+
+    @classmethod
+    def empty(cls, strata: int, rows: int) -> "Histograms":
+        """Return histograms of no one."""
+        return cls(
+            np.zeros(class_shape(strata), np.int64),
+            np.zeros(VALUE_BINS + 2, np.int64),
+            np.zeros(VALUE_BINS + 2, np.int64),
+            np.zeros((3, 2, VALUE_BINS + 2), np.int64),
+            np.zeros((2, 3)),
+            np.zeros((rows, 2), np.int64),
+        )
+
+    def add(self, parts: Mapping[str, np.ndarray]) -> None:
+        """Add counts by name, in a fixed order because of the sums of loads."""
+        for name, counts in parts.items():
+            getattr(self, name)[...] += counts
+
+    @property
+    def nbytes(self) -> int:
+        """Length of :meth:`to_bytes`."""
+        return sum(getattr(self, field.name).nbytes for field in fields(self))
+
+    def to_bytes(self) -> bytes:
+        """Return all as bytes, for a shard."""
+        return b"".join(getattr(self, field.name).tobytes() for field in fields(self))
+
+    @classmethod
+    def from_bytes(cls, raw: bytes, strata: int, rows: int) -> "Histograms":
+        """Read histograms of known sizes back."""
+        histograms = cls.empty(strata, rows)
+        start = 0
+        for field in fields(histograms):
+            array = getattr(histograms, field.name)
+            end = start + array.nbytes
+            array[...] = np.frombuffer(raw[start:end], array.dtype).reshape(array.shape)
+            start = end
+        return histograms
+
+
+def class_shape(strata: int) -> tuple[int, int, int, int]:
+    """Return the shape of counts by stratum, height, BMI and verdict."""
+    return strata, HEIGHT_BINS + 2, BMI_BINS + 2, 2
+
+
+def counted(bins: np.ndarray) -> np.ndarray:
+    """Return how often each bin of values occurs."""
+    return np.bincount(bins, minlength=VALUE_BINS + 2)

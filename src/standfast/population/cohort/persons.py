@@ -1,0 +1,207 @@
+"""One person of a population: from random variates to body, stiffness, and what becomes of them.
+
+Everything here is for one person and pure; :mod:`standfast.engine` maps it over many. A *source*
+is either a table of subpopulations, whose people are sampled, or a file of people, whose rows are.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from standfast.anthropometry import REFERENCE_PEOPLE, Body, body_of
+from standfast.mechanics import Stiffness, joint_gravity
+from standfast.numerics.arrays import Scalar, namespace
+from standfast.parameters import JOINTS
+from standfast.population.people.builtin import PROPORTIONS, Proportions, Subpopulation
+from standfast.population.people.distributions import Coordinate, StiffnessDistribution
+from standfast.stability import (
+    critical_stiffness,
+    growth_rate,
+    modes,
+    safety_factor,
+    verdict,
+)
+
+# The sole and the ankle: what of stature lies below the ankle, in the body models' source
+# (Winter, ankle height 0.039 of stature).
+BELOW_ANKLE = 0.039
+
+
+@dataclass(frozen=True, slots=True)
+class CohortModel:
+    """What makes a population's persons, without seed or size; hashable, so compiled once.
+
+    ``subpopulations`` is empty for people of a file; ``strata_sexes`` is the sex of each stratum.
+    """
+
+    gravity: float
+    body_model: str
+    subpopulations: tuple[Subpopulation, ...]
+    strata_sexes: tuple[str, ...]
+    scattered: bool
+    distributions: tuple[StiffnessDistribution, StiffnessDistribution, StiffnessDistribution]
+
+    @property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """What each person draws."""
+        if self.subpopulations:
+            person = [Coordinate("height", "normal"), Coordinate("bmi", "normal")]
+            if len(self.subpopulations) > 1:
+                person.insert(0, Coordinate("group", "uniform"))
+        else:
+            person = [Coordinate("person", "uniform")]
+        if self.scattered:
+            person += [Coordinate("shank", "normal"), Coordinate("thigh", "normal")]
+        for joint, distribution in zip(JOINTS, self.distributions, strict=True):
+            if distribution.is_random:
+                person.append(distribution.coordinate(joint))
+        return tuple(person)
+
+
+@dataclass(frozen=True, slots=True)
+class Person:
+    """One person of the population, as far as the model knows them."""
+
+    height: Scalar
+    mass: Scalar
+    stratum: Scalar
+    body: Body
+    stiffness: Stiffness
+
+
+def person_of(model: CohortModel, given: Mapping[str, Scalar]) -> Person:
+    """Make one person.
+
+    ``given`` holds the variates by the names of :attr:`CohortModel.coordinates`; for people of a
+    file also ``height``, ``mass``, ``stratum`` and measured stiffnesses.
+    """
+    if model.subpopulations:
+        height, mass, stratum = _sampled(model.subpopulations, given)
+    else:
+        height, mass, stratum = given["height"], given["mass"], given["stratum"]
+    reference = REFERENCE_PEOPLE[model.body_model]
+    body = body_of({"body_model": reference, "height": height, "mass": mass})
+    if model.scattered:
+        body = _scattered(body, height, _of_sex(model, stratum), given)
+    (toppling, at_knee, at_hip), _, _ = joint_gravity(body, model.gravity)
+    joints = []
+    for joint, distribution, own in zip(
+        JOINTS, model.distributions, (toppling, at_knee, at_hip), strict=True
+    ):
+        load = {"absolute": 1.0, "single_joint_critical": own, "mgh": toppling}[
+            distribution.relative_to
+        ]
+        joints.append(
+            distribution.stiffness(given.get(joint), given.get(f"{joint}_stiffness"), load)
+        )
+    return Person(height, mass, stratum, body, Stiffness._make(joints))
+
+
+def _sampled(
+    groups: tuple[Subpopulation, ...], given: Mapping[str, Scalar]
+) -> tuple[Scalar, Scalar, Scalar]:
+    """Return height, mass and number of the subpopulation.
+
+    H = mean + sd z; BMI = shift + exp(m + s (r z + √(1−r²) z')).
+    """
+    z, other = given["height"], given["bmi"]
+    xp = namespace(z, other)
+    total = sum(group.share for group in groups)
+    bounds = [sum(group.share for group in groups[: i + 1]) / total for i in range(len(groups))]
+
+    def of_group(values: list[float]) -> Scalar:
+        chosen = xp.asarray(values[-1])
+        for bound, value in reversed(list(zip(bounds[:-1], values[:-1], strict=True))):
+            chosen = xp.where(given["group"] < bound, value, chosen)
+        return chosen
+
+    height = of_group([g.height_mean for g in groups]) + of_group([g.height_sd for g in groups]) * z
+    along = of_group([g.log_sd * g.correlation for g in groups])
+    across = of_group([g.log_sd * math.sqrt(1.0 - g.correlation**2) for g in groups])
+    log = of_group([g.log_mean for g in groups]) + along * z + across * other
+    bmi = of_group([g.bmi_shift for g in groups]) + xp.exp(log)
+    return height, bmi * height**2, of_group([float(i) for i in range(len(groups))])
+
+
+def _of_sex(model: CohortModel, stratum: Scalar) -> Proportions:
+    """Return the scatter of proportions of a stratum's sex."""
+    xp = namespace(stratum)
+    rows = [PROPORTIONS[sex] for sex in model.strata_sexes]
+    columns = []
+    for name in ("shank_sd", "thigh_sd", "correlation"):
+        chosen = xp.asarray(getattr(rows[-1], name))
+        for number, row in enumerate(rows[:-1]):
+            chosen = xp.where(stratum == number, getattr(row, name), chosen)
+        columns.append(chosen)
+    return Proportions(*columns)
+
+
+def _scattered(
+    body: Body, height: Scalar, scatter: Proportions, given: Mapping[str, Scalar]
+) -> Body:
+    """Give a body its own proportions: shank and thigh longer or shorter, stature kept.
+
+    Centres of mass move in proportion and inertias with the square of the length; the upper body
+    makes up for both legs' segments.
+    """
+    xp = namespace(*body, given["shank"], given["thigh"])
+    r = scatter.correlation
+    shank = 1.0 + scatter.shank_sd * given["shank"]
+    thigh = 1.0 + scatter.thigh_sd * (r * given["shank"] + xp.sqrt(1.0 - r**2) * given["thigh"])
+    legs = body.segment_length
+    longer = legs[0] * (shank - 1.0) + legs[1] * (thigh - 1.0)
+    upper = 1.0 - longer / (height * (1.0 - BELOW_ANKLE) - legs[0] - legs[1])
+    stretch = xp.stack([shank, thigh, upper])
+    return Body._make(
+        (
+            body.segment_mass,
+            body.segment_inertia * stretch**2,
+            legs * stretch[:2],
+            body.segment_com * stretch,
+        )
+    )
+
+
+def outcome(model: CohortModel, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    """Return everything that is asked of one person.
+
+    ``stable``; ``safety_factor``; of each joint its own load with the other two rigid, its
+    threshold with the others as sampled (N·m/rad), and the multiple of its distribution there.
+    """
+    person = person_of(model, given)
+    body, stiffness = person.body, person.stiffness
+    critical = critical_stiffness(body, stiffness, model.gravity)
+    loads, _, _ = joint_gravity(body, model.gravity)
+    found: dict[str, Any] = {
+        "height": person.height,
+        "mass": person.mass,
+        "stratum": person.stratum,
+        "stable": verdict(body, stiffness, model.gravity),
+        "safety_factor": safety_factor(body, stiffness, model.gravity),
+    }
+    for joint, own, load, threshold in zip(JOINTS, stiffness, loads, critical, strict=True):
+        xp = namespace(own, threshold)
+        found[f"{joint}_stiffness"] = own
+        found[f"{joint}_load"] = load
+        found[f"critical_{joint}_stiffness"] = threshold
+        found[f"{joint}_multiple"] = xp.where(threshold == xp.inf, xp.inf, threshold / own)
+    return found
+
+
+def margins(model: CohortModel, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    """Return what sensitivity is asked of: falling (1 or 0) and the safety factor."""
+    person = person_of(model, given)
+    stands = verdict(person.body, person.stiffness, model.gravity)
+    xp = namespace(*person.body)
+    return {
+        "unstable": xp.where(stands, 0.0, 1.0),
+        "safety_factor": safety_factor(person.body, person.stiffness, model.gravity),
+    }
+
+
+def growth(model: CohortModel, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    """Return the growth rate of one person's fall (1/s), 0 where they stand."""
+    person = person_of(model, given)
+    found = modes(person.body, person.stiffness, model.gravity)
+    return {"growth_rate": growth_rate(found.eigenvalues[0])}

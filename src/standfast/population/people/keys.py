@@ -1,0 +1,141 @@
+"""The border of a population's study: what its tables may say, checked key by key."""
+
+import math
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from standfast.errors import InputError, nearest_name
+from standfast.parameters import BODY_MODELS, JOINTS
+from standfast.population.people.builtin import PARTITION, POPULATIONS, Subpopulation
+from standfast.population.people.csv_table import digest
+from standfast.population.people.distributions import (
+    UNCORRELATED,
+    Correlation,
+    StiffnessDistribution,
+    checked_correlation,
+    checked_distribution,
+)
+from standfast.population.people.records import SEXES
+from standfast.population.people.sampling import REPLICATES
+from standfast.study.values import known_keys
+
+POPULATION_KEYS = (
+    "people",
+    "builtin",
+    "sex",
+    "age",
+    "body_model",
+    "proportions",
+    "size",
+    "seed",
+    "method",
+)
+METHODS = ("monte-carlo", "quasi-monte-carlo")
+PROPORTIONS_KEYS = ("fixed", "scattered")
+LARGEST_SIZE = 10**11
+LARGEST_QUASI = REPLICATES * 2**32  # Sobol points are numbered with 32 bits
+
+
+def checked_stiffness(given: Any) -> tuple[dict[str, StiffnessDistribution], Correlation]:
+    """Check the distributions of the three joints' stiffness and their correlation."""
+    known_keys("[stiffness]", given, (*JOINTS, "correlation"))
+    for joint in JOINTS:
+        if joint not in given:
+            raise InputError(
+                f"[stiffness.{joint}] is missing; for a rigid {joint} write "
+                'distribution = "fixed" and value = inf'
+            )
+    distributions = {joint: checked_distribution(joint, given[joint]) for joint in JOINTS}
+    if "correlation" not in given:
+        return distributions, UNCORRELATED
+    return distributions, checked_correlation(given["correlation"], distributions)
+
+
+def checked_population(given: Any, folder: Path) -> tuple[dict[str, Any], tuple[Path, ...]]:
+    """Check who is simulated and how many; return all keys, and where the people are.
+
+    Of a file of people the keys hold its name and the hash of its content, not where it lies.
+    """
+    known_keys("[population]", given, POPULATION_KEYS)
+    checked: dict[str, Any] = {}
+    files: tuple[Path, ...] = ()
+    if ("people" in given) == ("builtin" in given):
+        have = "both are given" if "people" in given else "neither is given"
+        raise InputError(
+            f"[population] needs people (a CSV file) or builtin ({', '.join(POPULATIONS)}), "
+            f"one of them; {have}"
+        )
+    if "people" in given:
+        names = given["people"] if isinstance(given["people"], list | tuple) else [given["people"]]
+        if not names or not all(isinstance(name, str) and name for name in names):
+            raise InputError(
+                f"population.people = {given['people']!r} is not the name of a CSV file, "
+                "or a list of files to be joined"
+            )
+        files = tuple(folder / name for name in names)
+        checked["people"] = [path.name for path in files]
+        checked["people_sha256"] = digest(files)
+    else:
+        checked["builtin"] = _choice("builtin", given["builtin"], tuple(POPULATIONS))
+    if "sex" in given:
+        checked["sex"] = _choice("sex", given["sex"], SEXES[:2])
+    if "age" in given:
+        age_range(given["age"])
+        checked["age"] = given["age"]
+    if "builtin" in checked:
+        subpopulations_of(checked)
+    checked["body_model"] = _choice("body_model", given.get("body_model", "winter"), BODY_MODELS)
+    checked["proportions"] = _choice(
+        "proportions", given.get("proportions", "fixed"), PROPORTIONS_KEYS
+    )
+    checked["method"] = _choice("method", given.get("method", "monte-carlo"), METHODS)
+    largest = LARGEST_SIZE if checked["method"] == "monte-carlo" else LARGEST_QUASI
+    checked["size"] = _whole("size", given.get("size", 1_000_000), 1, largest)
+    checked["seed"] = _whole("seed", given.get("seed", 0), 0, 2**63 - 1)
+    return checked, files
+
+
+def _choice(key: str, given: Any, known: tuple[str, ...]) -> str:
+    if not isinstance(given, str) or given not in known:
+        raise InputError(
+            f"population.{key} = {given!r} is not known{nearest_name(given, known)} "
+            f"(known: {', '.join(known)})"
+        )
+    return given
+
+
+def _whole(key: str, given: Any, lowest: int, highest: int) -> int:
+    if isinstance(given, float) and given.is_integer():  # 1e6
+        given = int(given)
+    if isinstance(given, bool) or not isinstance(given, int) or not lowest <= given <= highest:
+        raise InputError(
+            f"population.{key} = {given!r} is not a whole number from {lowest} to {highest}"
+        )
+    return given
+
+
+def age_range(given: Any) -> tuple[float, float]:
+    """Return the ages of "65+" or "20-39": from the first to before the last."""
+    match = re.fullmatch(r"(\d{1,3})(?:\+|-(\d{1,3}))", given) if isinstance(given, str) else None
+    if match is None or (match[2] is not None and int(match[2]) < int(match[1])):
+        raise InputError(
+            f'population.age = {given!r} is not a range of ages; write "65+" or "20-39"'
+        )
+    return float(match[1]), math.inf if match[2] is None else float(match[2]) + 1.0
+
+
+def subpopulations_of(population: Mapping[str, Any]) -> tuple[Subpopulation, ...]:
+    """Return the subpopulations of a built-in population."""
+    name, age = population["builtin"], population.get("age")
+    rows = POPULATIONS[name]
+    ages = tuple(dict.fromkeys(row.age for row in rows))
+    if age is not None and age not in ages:
+        raise InputError(
+            f"population.age = {age!r} is not a group of {name}{nearest_name(age, ages)} "
+            f"(groups: {', '.join(ages)})"
+        )
+    wanted = (age,) if age is not None else PARTITION[name]
+    sexes = (population["sex"],) if "sex" in population else ("male", "female")
+    return tuple(row for row in rows if row.sex in sexes and row.age in wanted)

@@ -1,0 +1,124 @@
+"""Standard variates, block by block: the same for any order of blocks and any number of threads.
+
+A block's numbers depend on seed and block alone. Plain Monte Carlo takes them from one SFC64
+generator a block; quasi-Monte Carlo from scrambled Sobol sequences, one independent scrambling a
+*replicate*, whose spread gives the interval.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.special import ndtr, ndtri
+
+from standfast.parameters import JOINTS
+from standfast.population.people.distributions import UNCORRELATED, Coordinate, Correlation
+from standfast.population.people.sobol import sobol_block
+
+# Independent scramblings of a quasi-Monte Carlo run: the interval is Student's t of their spread.
+REPLICATES = 16
+LARGEST_BLOCK = 2**17
+
+STREAM = 0  # of a seed; scrambling is another
+
+# Of an eigenvalue of a correlation.
+ROUNDING = 1e-12
+
+# Below this variate a standard normal number does not come in float64: nothing is cut off.
+NEVER = -8.3
+
+
+@dataclass(frozen=True)
+class Sampler:
+    """Where the standard variates of a population come from.
+
+    Attributes
+    ----------
+    coordinates
+        what each person draws, one row of a block each.
+    correlation
+        of the normal variates of ankle, knee and hip (Gaussian copula).
+    method
+        ``monte-carlo`` or ``quasi-monte-carlo``.
+    """
+
+    coordinates: tuple[Coordinate, ...]
+    correlation: Correlation
+    method: str
+    seed: int
+
+    def variates(self, replicate: int, block: int, size: int) -> np.ndarray:
+        """Return the variates (d, size) of one block."""
+        if self.method == "quasi-monte-carlo":
+            uniform = sobol_block(self.seed, replicate, block, len(self.coordinates), size)
+            return self.from_uniform(uniform)
+        sequence = np.random.SeedSequence([self.seed, STREAM, block])
+        random = np.random.Generator(np.random.SFC64(sequence))
+        variates = np.empty((len(self.coordinates), size))
+        for number, (row, coordinate) in enumerate(zip(variates, self.coordinates, strict=True)):
+            if number in self.correlated:
+                random.standard_normal(out=row)
+            elif coordinate.kind == "uniform":
+                random.random(out=row)
+            else:
+                _draw_normal(random, row, coordinate.lowest)
+        self._correlate(variates)
+        return variates
+
+    def from_uniform(self, uniform: np.ndarray) -> np.ndarray:
+        """Turn uniform numbers (d, n), changed in place, into variates."""
+        for number, (row, coordinate) in enumerate(zip(uniform, self.coordinates, strict=True)):
+            if number in self.correlated:
+                ndtri(row, out=row)
+            elif coordinate.kind == "normal":
+                below = ndtr(coordinate.lowest)
+                ndtri(below + (1.0 - below) * row, out=row)
+        self._correlate(uniform)
+        return uniform
+
+    @cached_property
+    def correlated(self) -> tuple[int, ...]:
+        """The rows of joints that are correlated with another joint."""
+        return tuple(
+            number
+            for number, coordinate in enumerate(self.coordinates)
+            if coordinate.name in JOINTS
+            and self.correlation[JOINTS.index(coordinate.name)]
+            != UNCORRELATED[JOINTS.index(coordinate.name)]
+        )
+
+    @cached_property
+    def _mixing(self) -> np.ndarray:
+        """A matrix L with L Lᵀ the correlation; it may be singular, so by eigenvalues.
+
+        What rounding leaves of an eigenvalue of 0 differs between processors: it is 0.
+        """
+        places = [JOINTS.index(self.coordinates[row].name) for row in self.correlated]
+        values, vectors = np.linalg.eigh(np.array(self.correlation)[np.ix_(places, places)])
+        mixing: np.ndarray = vectors * np.sqrt(np.where(values > ROUNDING, values, 0.0))
+        return mixing
+
+    def _correlate(self, variates: np.ndarray) -> None:
+        """Correlate independent normal rows in place, then give each its own distribution."""
+        rows = list(self.correlated)
+        if not rows:
+            return
+        mixed = self._mixing @ variates[rows]
+        for row, normal in zip(rows, mixed, strict=True):
+            coordinate = self.coordinates[row]
+            if coordinate.kind == "uniform":
+                variates[row] = ndtr(normal)
+            elif coordinate.lowest > NEVER:
+                # 1 − Φ(z) = (1 − Φ(lowest)) (1 − Φ(normal)), written with Φ(−x) for the tail
+                variates[row] = -ndtri(ndtr(-coordinate.lowest) * ndtr(-normal))
+            else:
+                variates[row] = normal
+
+
+def _draw_normal(random: np.random.Generator, row: np.ndarray, lowest: float) -> None:
+    """Fill a row with normal numbers, drawing those below ``lowest`` again."""
+    random.standard_normal(out=row)
+    if lowest <= NEVER:
+        return
+    while (below := np.flatnonzero(row < lowest)).size:
+        row[below] = random.standard_normal(below.size)

@@ -1,0 +1,292 @@
+"""A study of a population: who, how stiff, how many; checked once, here."""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from standfast.errors import InputError
+from standfast.parameters import JOINTS, STANDARD_GRAVITY, checked_number
+from standfast.population.people.builtin import Subpopulation
+from standfast.population.people.csv_table import digest
+from standfast.population.people.distributions import (
+    Correlation,
+    StiffnessDistribution,
+    checked_distribution,
+)
+from standfast.population.people.keys import (
+    age_range,
+    checked_population,
+    checked_stiffness,
+    subpopulations_of,
+)
+from standfast.population.people.records import People, read_people
+from standfast.population.people.sampling import LARGEST_BLOCK, REPLICATES
+from standfast.study.canonical import canonical_text, fingerprint_of, from_json, json_value
+from standfast.study.toml import read_toml
+from standfast.study.values import checked_title, known_keys
+
+TOP_KEYS = ("title", "gravity", "population", "stiffness", "output")
+MOST_KEPT = 10**8  # persons stored one by one
+
+# Blocks that are written together: about a second of work, and less where every person is kept.
+BLOCKS_PER_SHARD, BLOCKS_PER_SHARD_KEPT = 64, 2
+
+
+@dataclass(frozen=True)
+class PopulationStudy:
+    """A checked study of a population; make one with :meth:`from_toml` or :meth:`from_dict`.
+
+    ``content`` is its canonical form, ``files`` where its people are.
+    """
+
+    content: Mapping[str, Any]
+    files: tuple[Path, ...]
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> "PopulationStudy":
+        """Read and check a study file; files of people are relative to its folder.
+
+        Raises
+        ------
+        InputError
+            if the file is not readable, not TOML, or says something that makes no sense.
+        """
+        content = read_toml(path)
+        try:
+            return cls.from_dict(content, folder=Path(path).parent)
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from None
+
+    @classmethod
+    def from_dict(
+        cls, content: Mapping[str, Any], *, folder: str | Path = "."
+    ) -> "PopulationStudy":
+        """Check a study given as nested mappings, laid out as in the TOML file, or refuse it."""
+        if isinstance(content, Mapping) and "body" in content and "population" not in content:
+            raise InputError("this is the study of a sweep; run: standfast sweep")
+        known_keys("study", content, TOP_KEYS)
+        title = checked_title(content)
+        gravity = content.get("gravity", STANDARD_GRAVITY)
+        if isinstance(gravity, list | tuple | Mapping):
+            raise InputError("gravity is one number in a population, without list or range")
+        if "population" not in content:
+            raise InputError("[population] is missing: say people or builtin, and size")
+        if "stiffness" not in content:
+            raise InputError("[stiffness.ankle], [stiffness.knee] and [stiffness.hip] are missing")
+        distributions, correlation = checked_stiffness(content["stiffness"])
+        if "builtin" in content["population"]:
+            for joint, distribution in distributions.items():
+                if distribution.kind == "measured":
+                    raise InputError(
+                        f"stiffness.{joint}: measured needs people with a column "
+                        f"{joint}_stiffness, and a built-in population has none"
+                    )
+        known_keys("[output]", content.get("output", {}), ("persons",))
+        kept = content.get("output", {}).get("persons", False)
+        if not isinstance(kept, bool):
+            raise InputError(f"output.persons = {kept!r} is not true or false")
+        population, files = checked_population(content["population"], Path(folder))
+        if kept and population["size"] > MOST_KEPT:
+            raise InputError(
+                f"output.persons keeps at most {MOST_KEPT:,} persons, "
+                f"and population.size is {population['size']:,}"
+            )
+        return cls(
+            {
+                "title": title,
+                "gravity": checked_number("gravity", gravity),
+                "population": population,
+                "stiffness": {
+                    **{joint: each.canonical() for joint, each in distributions.items()},
+                    "correlation": [list(row) for row in correlation],
+                },
+                "output": {"persons": kept},
+            },
+            files,
+        )
+
+    @classmethod
+    def from_canonical(cls, text: str) -> "PopulationStudy":
+        """Read a study back from its canonical JSON, or refuse; its people are not looked for."""
+        try:
+            content = json.loads(text)
+            sections = {key: set(content[key]) for key in ("population", "stiffness", "output")}
+        except (ValueError, RecursionError, TypeError, KeyError):
+            raise InputError("the study inside the file cannot be read") from None
+        if (
+            sections["stiffness"] != {*JOINTS, "correlation"}
+            or "size" not in sections["population"]
+        ):
+            raise InputError("the study inside the file cannot be read")
+        return cls(content, ())
+
+    @cached_property
+    def canonical(self) -> str:
+        """The study as one line of JSON, the same for the same study."""
+        return canonical_text(self.content)
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """SHA-256 of the canonical text."""
+        return fingerprint_of(self.canonical)
+
+    def difference(self, other: "PopulationStudy") -> str:
+        """Return in words what differs from another study, key by key."""
+        here, there = _flat(json_value(self.content)), _flat(json_value(other.content))
+        return "; ".join(
+            "the file of people has changed"
+            if key == "population.people_sha256"
+            else f"{key}: {there.get(key, 'not given')} there, {here.get(key, 'not given')} here"
+            for key in dict.fromkeys([*there, *here])
+            if there.get(key) != here.get(key)
+        )
+
+    @property
+    def title(self) -> str:
+        """What the study is called."""
+        return str(self.content["title"])
+
+    @property
+    def gravity(self) -> float:
+        """Gravitational acceleration, m/s²."""
+        return float(self.content["gravity"])
+
+    @property
+    def seed(self) -> int:
+        """Where all random numbers come from."""
+        return int(self._population["seed"])
+
+    @property
+    def method(self) -> str:
+        """``monte-carlo`` or ``quasi-monte-carlo``."""
+        return str(self._population["method"])
+
+    @property
+    def keeps_persons(self) -> bool:
+        """Whether every person is stored."""
+        return bool(self.content["output"]["persons"])
+
+    @property
+    def _population(self) -> Mapping[str, Any]:
+        section: Mapping[str, Any] = self.content["population"]
+        return section
+
+    @cached_property
+    def distributions(
+        self,
+    ) -> tuple[StiffnessDistribution, StiffnessDistribution, StiffnessDistribution]:
+        """The distributions of the stiffness of ankle, knee and hip."""
+        section = self.content["stiffness"]
+        ankle, knee, hip = (
+            checked_distribution(joint, _as_given(from_json(section[joint]))) for joint in JOINTS
+        )
+        return ankle, knee, hip
+
+    @property
+    def correlation(self) -> Correlation:
+        """The correlation of the joints' normal variates."""
+        return tuple(tuple(row) for row in self.content["stiffness"]["correlation"])
+
+    @cached_property
+    def subpopulations(self) -> tuple[Subpopulation, ...]:
+        """Those of a built-in population; empty for people of a file."""
+        if "builtin" not in self._population:
+            return ()
+        return subpopulations_of(self._population)
+
+    def read_people(self, *, strict: bool = False) -> People | None:
+        """Read the files of people; None for a built-in population.
+
+        Raises
+        ------
+        InputError
+            as :func:`standfast.population.read_people`, and if the files have changed.
+        """
+        if "people" not in self._population:
+            return None
+        if digest(self.files) != self._population["people_sha256"]:
+            names = ", ".join(map(str, self.files))
+            raise InputError(f"{names} changed while it was read; try again")
+        sex, age = self._population.get("sex"), self._population.get("age")
+        lowest, highest = age_range(age) if age is not None else (0.0, math.inf)
+        measured = [
+            f"{joint}_stiffness"
+            for joint, distribution in zip(JOINTS, self.distributions, strict=True)
+            if distribution.kind == "measured"
+        ]
+        return read_people(
+            self.files,
+            strict=strict,
+            needed=measured,
+            selected=lambda of, years: (
+                (sex is None or of == sex) and (age is None or lowest <= years < highest)
+            ),
+        )
+
+    @property
+    def replicates(self) -> int:
+        """Independent scramblings; 1 for plain Monte Carlo."""
+        return 1 if self.method == "monte-carlo" else REPLICATES
+
+    @cached_property
+    def per_replicate(self) -> int:
+        """Persons of one replicate; a power of two for quasi-Monte Carlo, which needs it."""
+        asked = int(self._population["size"])
+        if self.method == "monte-carlo":
+            return asked
+        return 1 << max(-(-asked // REPLICATES) - 1, 0).bit_length()
+
+    @property
+    def size(self) -> int:
+        """Persons that are simulated."""
+        return self.replicates * self.per_replicate
+
+    @cached_property
+    def block_size(self) -> int:
+        """Persons whose variates are sampled together: a power of two."""
+        return min(LARGEST_BLOCK, 1 << (self.per_replicate - 1).bit_length())
+
+    @property
+    def blocks_per_replicate(self) -> int:
+        """Number of blocks of one replicate."""
+        return -(-self.per_replicate // self.block_size)
+
+    @cached_property
+    def shards(self) -> tuple[tuple[int, range], ...]:
+        """The replicate of each shard, and its blocks."""
+        step = BLOCKS_PER_SHARD_KEPT if self.keeps_persons else BLOCKS_PER_SHARD
+        return tuple(
+            (replicate, range(first, min(first + step, self.blocks_per_replicate)))
+            for replicate in range(self.replicates)
+            for first in range(0, self.blocks_per_replicate, step)
+        )
+
+    @property
+    def shard_count(self) -> int:
+        """Number of shards."""
+        return len(self.shards)
+
+    def block_persons(self, block: int) -> int:
+        """Return how many persons of a block belong to the population."""
+        return min(self.block_size, self.per_replicate - block * self.block_size)
+
+
+def _as_given(section: dict[str, Any]) -> dict[str, Any]:
+    """Return a canonical distribution as a study gives it: measured is relative to nothing."""
+    if section["distribution"] == "measured":
+        del section["relative_to"]
+    return section
+
+
+def _flat(content: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for key, value in content.items():
+        if isinstance(value, Mapping):
+            flat |= _flat(value, f"{prefix}{key}.")
+        else:
+            flat[f"{prefix}{key}"] = value
+    return flat

@@ -1,0 +1,1 @@
+"""What is answered: estimates with intervals, sensitivity, the file."""

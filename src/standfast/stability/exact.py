@@ -1,0 +1,60 @@
+"""The ankle's threshold in exact arithmetic, for verdicts that rounding could decide.
+
+Body and gravity loads are those of :mod:`standfast.anthropometry` and :mod:`standfast.mechanics`,
+whose formulas take fractions too; every float is taken for exactly what it is.
+
+notation: γs, γt, γb gravity loads; L1, L2, L3 loads carried by ankle, knee, hip.
+"""
+
+import math
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from standfast.anthropometry import REFERENCE_PEOPLE, Body, ReferencePerson, body_of
+from standfast.mechanics import gravity_loads
+from standfast.numerics.arrays import ROUNDOFF
+
+# Scaling a person rounds: mass ratio of BMI · height² over the reference (4 roundings), times the
+# segment's mass (1); height ratio (2, if the division is done by a reciprocal), times the segment's
+# length (1). Together 8; the product of the two is counted with the loads.
+SCALING_ROUNDING = 9.0 * ROUNDOFF
+
+
+def exact_threshold(parameters: Mapping[str, Any]) -> Fraction | None:
+    """Return the ankle's exact threshold of one person (N·m/rad); None if none suffices.
+
+    L3 = γb, L2 = γt + L3 Kh / (Kh − L3), L1 = γs + L2 Kk / (Kk − L2), of parameters by name.
+    """
+    given: dict[str, Any] = {
+        name: Fraction(parameters[name])
+        for name in ("height", "mass", "bmi", "gravity")
+        if name in parameters
+    }
+    given["body_model"] = _in_fractions(REFERENCE_PEOPLE[str(parameters["body_model"])])
+    shank, thigh, upper = gravity_loads(body_of(given), given["gravity"])
+    load: Fraction = upper
+    for joint, segment in (("hip", thigh), ("knee", shank)):
+        transmitted = _transmitted_load(load, float(parameters[f"{joint}_stiffness"]))
+        if transmitted is None:
+            return None
+        load = segment + transmitted
+    return load
+
+
+def _in_fractions(person: ReferencePerson) -> ReferencePerson:
+    """Return a reference person in fractions."""
+    body = Body._make(
+        np.array([Fraction(float(value)) for value in part], object) for part in person.body
+    )
+    return ReferencePerson(body, Fraction(person.height), Fraction(person.mass))
+
+
+def _transmitted_load(load: Fraction, stiffness: float) -> Fraction | None:
+    """Return L K / (K − L), what a joint transmits; None if it fails."""
+    if math.isinf(stiffness):
+        return load
+    spring = Fraction(stiffness)
+    return load * spring / (spring - load) if spring > load else None

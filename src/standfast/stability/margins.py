@@ -1,0 +1,179 @@
+"""By how much the person stands or falls: det C, stiffness reserve, safety factor.
+
+notation: C stiffness matrix, G its gravity part, K stiffness (Gait & Posture 25 (2007) 432-439).
+"""
+
+import numpy as np
+
+from standfast.anthropometry import Body
+from standfast.mechanics import (
+    Stiffness,
+    checked_person,
+    gravity_load_pairs,
+    gravity_loads,
+    joint_gravity,
+    second_variation,
+    stiffness_rows,
+)
+from standfast.numerics import eigenvectors
+from standfast.numerics.arrays import ROUNDOFF, Matrix, Scalar, Vector, namespace
+from standfast.numerics.cubic import largest_root
+from standfast.numerics.pairs import add, difference_of_products, multiply, negate
+from standfast.numerics.vectors import dot
+from standfast.parameters import STANDARD_GRAVITY
+from standfast.stability.springs import verdict
+
+
+def stability_determinant(
+    body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY
+) -> Scalar:
+    """Return det C in (N·m/rad)³.
+
+    With a rigid joint it is infinite, with the sign of the determinant without that joint.
+
+    Raises
+    ------
+    InputError
+        if gravity is out of range.
+    """
+    xp = checked_person(body, stiffness, gravity)
+    determinant = determinant_of(flexible_rows(body, stiffness, gravity))
+    any_rigid = xp.isinf(stiffness.ankle) | xp.isinf(stiffness.knee) | xp.isinf(stiffness.hip)
+    return xp.where(any_rigid, xp.copysign(xp.inf, determinant), determinant)[()]
+
+
+def determinant_in_pairs(body: Body, stiffness: Stiffness, gravity: Scalar) -> Scalar:
+    """Return det C, right to the last digits also where it is nearly 0; NaN with a rigid joint.
+
+    det C = c33 (c11 c22 − G2²) − G3² (c11 + c22 + 2 G2), summed in pairs of float64.
+    """
+    xp = namespace(*body, *stiffness, gravity)
+    shank, thigh, g3 = gravity_load_pairs(body, gravity)
+    g2 = add(thigh, g3)
+    g1 = add(shank, g2)
+    c11, c22, c33 = (
+        add((xp.asarray(k), 0.0), negate(g)) for k, g in zip(stiffness, (g1, g2, g3), strict=True)
+    )
+    of_hip = add(multiply(c11, c22), negate(multiply(g2, g2)))
+    rest = multiply(multiply(g3, g3), add(add(c11, c22), add(g2, g2)))
+    return difference_of_products(c33, of_hip, rest)
+
+
+@np.errstate(all="ignore")
+def stiffness_reserve(
+    body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY
+) -> Scalar:
+    """Return the smallest eigenvalue of C: what every joint could lose at once (N·m/rad).
+
+    Negative where every joint must gain that much. A rigid joint loses nothing and is left out;
+    with three rigid joints the reserve is infinite. Its sign is that of :func:`is_stable`.
+
+    Raises
+    ------
+    InputError
+        if gravity is out of range.
+    """
+    checked_person(body, stiffness, gravity)
+    load = joint_gravity(body, gravity)
+    shift = load[0][0] + load[1][1] + load[2][2]
+    softest = eigenvectors.spring_eigenvectors(stiffness, load, eigenvectors.IDENTITY, shift)[0]
+    quotient = second_variation(body, stiffness, gravity, softest) / dot(softest, softest)
+    return signed_by(verdict(body, stiffness, gravity), unless_all_rigid(stiffness, quotient))
+
+
+@np.errstate(all="ignore")
+def safety_factor(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY) -> Scalar:
+    """Return the factor by which all stiffnesses could be divided and the person just stand.
+
+    The smallest s of diag(K) v = s G v, with G the gravity part of C. So x = 1/s is the largest
+    root of the polynomial of :func:`safety_polynomial`, found as a multiple of the trace. Above 1
+    exactly where the verdict is stable; 0 with a free joint; infinite with three rigid joints.
+
+    Raises
+    ------
+    InputError
+        if gravity is out of range.
+    """
+    checked_person(body, stiffness, gravity)
+    trace, minors, determinant = safety_polynomial(body, stiffness, gravity)
+    share = largest_root(1.0, minors / trace**2, determinant / trace**3, steps=2)
+    return settled_safety_factor(body, stiffness, gravity, 1.0 / (trace * share))
+
+
+ALMOST_FREE = 1e-60  # N·m/rad; a joint as good as free would overflow the determinant
+
+
+def safety_polynomial(body: Body, stiffness: Stiffness, gravity: Scalar) -> Vector:
+    """Return t, m, d of x³ − t x² + m x − d, whose roots are the eigenvalues of K⁻¹ G.
+
+    Trace, sum of the principal minors and determinant: sums and products of positive numbers. All
+    entries of K⁻¹ G are positive, so the largest root is simple.
+    """
+    xp = namespace(*body, *stiffness, gravity)
+    shank, thigh, upper = gravity_loads(body, gravity)
+    below = thigh + upper
+    ankle, knee, hip = (1.0 / xp.maximum(xp.asarray(k), ALMOST_FREE) for k in stiffness)
+    trace = (shank + below) * ankle + below * knee + upper * hip
+    minors = ankle * (shank * below * knee + (shank + thigh) * upper * hip)
+    minors = minors + thigh * upper * knee * hip
+    determinant = shank * thigh * upper * ankle * knee * hip
+    return trace, minors, determinant
+
+
+def settled_safety_factor(
+    body: Body, stiffness: Stiffness, gravity: Scalar, factor: Scalar
+) -> Scalar:
+    """Return a safety factor with its limits: free and rigid joints, and 1, where verdicts change.
+
+    Within rounding of 1 the verdict decides.
+    """
+    xp = namespace(*body, *stiffness, gravity)
+    factor = unless_all_rigid(stiffness, factor)
+    free = (stiffness.ankle == 0.0) | (stiffness.knee == 0.0) | (stiffness.hip == 0.0)
+    factor = xp.where(free, 0.0, factor)
+    just_above = 1.0 + 2.0 * ROUNDOFF
+    return xp.where(
+        verdict(body, stiffness, gravity),
+        xp.maximum(factor, just_above),
+        xp.minimum(factor, 1.0),
+    )[()]
+
+
+def signed_by(stable: Scalar, value: Scalar) -> Scalar:
+    """Return the margin with the sign of the verdict: positive exactly where stable.
+
+    The two are computed by different routes and can disagree within rounding of 0 alone.
+    """
+    xp = namespace(stable, value)
+    size = abs(value)
+    return xp.where(stable, xp.maximum(size, xp.finfo(xp.float64).tiny), -size)[()]
+
+
+def determinant_of(rows: Matrix) -> Scalar:
+    """Return the determinant of a symmetric matrix given by its rows."""
+    (c11, c12, c13), (_, c22, c23), (_, _, c33) = rows
+    return (
+        c11 * (c22 * c33 - c23**2) - c12 * (c12 * c33 - c23 * c13) + c13 * (c12 * c23 - c22 * c13)
+    )
+
+
+def flexible_rows(body: Body, stiffness: Stiffness, gravity: Scalar) -> Matrix:
+    """Return C as rows, with a rigid joint taken out: its row and column are those of 1."""
+    xp = namespace(*body, *stiffness, gravity)
+    (c11, c12, c13), (_, c22, c23), (_, _, c33) = stiffness_rows(body, stiffness, gravity)
+    no_ankle, no_knee, no_hip = (xp.isinf(k) for k in stiffness)
+    c11, c22, c33 = (
+        xp.where(rigid, 1.0, entry)
+        for rigid, entry in ((no_ankle, c11), (no_knee, c22), (no_hip, c33))
+    )
+    c12 = xp.where(no_ankle | no_knee, 0.0, c12)
+    c13 = xp.where(no_ankle | no_hip, 0.0, c13)
+    c23 = xp.where(no_knee | no_hip, 0.0, c23)
+    return ((c11, c12, c13), (c12, c22, c23), (c13, c23, c33))
+
+
+def unless_all_rigid(stiffness: Stiffness, value: Scalar) -> Scalar:
+    """Return the value, or infinity if all three joints are rigid."""
+    xp = namespace(*stiffness, value)
+    ankle, knee, hip = stiffness
+    return xp.where(xp.isinf(ankle) & xp.isinf(knee) & xp.isinf(hip), xp.inf, value)

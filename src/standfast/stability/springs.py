@@ -1,0 +1,146 @@
+"""Does the person stand by springs alone: carried loads, thresholds, the verdict.
+
+Springs in series with gravity. From the top down each joint must be stiffer than the load that it
+carries, and transmits a larger one to the joint below:
+
+    L3 = γb,  L2 = γt + L3 Kh / (Kh − L3),  L1 = γs + L2 Kk / (Kk − L2)
+
+The person stands if Kh > L3, Kk > L2 and Ka > L1, and det C = (Ka − L1)(Kk − L2)(Kh − L3). With
+the load written as L / (1 − L/K) a rigid joint (K = inf) transmits exactly what it carries.
+
+notation: γs, γt, γb gravity loads of shank, thigh, upper body; L1, L2, L3 loads carried by ankle,
+knee, hip; Ka, Kk, Kh stiffnesses (Gait & Posture 25 (2007) 432-439 for the model).
+"""
+
+import numpy as np
+
+from standfast.anthropometry import Body
+from standfast.mechanics import (
+    Stiffness,
+    checked_person,
+    gravity_loads,
+    joint_gravity,
+)
+from standfast.numerics.arrays import Scalar, Vector, namespace
+from standfast.parameters import STANDARD_GRAVITY, checked_scalar
+
+
+def is_stable(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY) -> bool:
+    """Return whether the person stands: C is positive definite.
+
+    The boundary itself counts as unstable. Right unless the ankle's stiffness lies within
+    rounding of the threshold (see :func:`verdict_is_certain`).
+
+    Raises
+    ------
+    InputError
+        if gravity is out of range.
+    """
+    checked_person(body, stiffness, gravity)
+    return bool(verdict(body, stiffness, gravity))
+
+
+def verdict(body: Body, stiffness: Stiffness, gravity: Scalar) -> Scalar:
+    """Return the verdict as a truth value that may be traced: Ka > L1.
+
+    L1 is infinite if knee or hip already fail, so this one comparison is the whole verdict.
+    """
+    namespace(*body, *stiffness, gravity)  # refuses single precision
+    return stiffness.ankle > carried_loads(body, stiffness, gravity)[0]
+
+
+def carried_loads(body: Body, stiffness: Stiffness, gravity: Scalar) -> Vector:
+    """Return L1, L2, L3: the loads that ankle, knee and hip carry (N·m/rad).
+
+    Infinite below a joint that fails.
+    """
+    shank, thigh, upper = gravity_loads(body, gravity)
+    at_knee = thigh + transmitted_load(upper, stiffness.hip)
+    at_ankle = shank + transmitted_load(at_knee, stiffness.knee)
+    return at_ankle, at_knee, upper
+
+
+@np.errstate(all="ignore")
+def transmitted_load(load: Scalar, stiffness: Scalar) -> Scalar:
+    """Return L / (1 − L/K), what a joint transmits of the load it carries; inf if K ≤ L."""
+    xp = namespace(load, stiffness)
+    return xp.where(stiffness > load, load / (1.0 - load / stiffness), xp.inf)
+
+
+@np.errstate(all="ignore")
+def bearable(stiffness: Scalar, limit: Scalar) -> Scalar:
+    """Return 1 / (1/K + 1/S), the largest load of which a joint transmits no more than S > 0."""
+    xp = namespace(stiffness, limit)
+    return 1.0 / (1.0 / xp.asarray(stiffness) + 1.0 / limit)
+
+
+def critical_stiffness(
+    body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY
+) -> Stiffness:
+    """Return each joint's threshold, the other two as given: the person stands above it.
+
+    ankle: L1.  knee: L2 / (1 − L2/S1), S1 = Ka − γs.  hip: γb / (1 − γb/S2),
+    S2 = 1 / (1/S1 + 1/Kk) − γt.  The same recursion, read upwards for knee and hip.
+
+    Returns
+    -------
+    Stiffness, N·m/rad; ``inf`` where no stiffness of that joint suffices.
+
+    Raises
+    ------
+    InputError
+        if gravity is out of range.
+    """
+    checked_person(body, stiffness, gravity)
+    return Stiffness(
+        ankle=critical_ankle_stiffness(body, stiffness.knee, stiffness.hip, gravity),
+        knee=critical_knee_stiffness(body, stiffness.ankle, stiffness.hip, gravity),
+        hip=critical_hip_stiffness(body, stiffness.ankle, stiffness.knee, gravity),
+    )
+
+
+def critical_ankle_stiffness(body: Body, knee: Scalar, hip: Scalar, gravity: Scalar) -> Scalar:
+    """Return the ankle's threshold (N·m/rad): the load that knee and hip transmit to it."""
+    shank, thigh, upper = gravity_loads(body, gravity)
+    return shank + transmitted_load(thigh + transmitted_load(upper, hip), knee)
+
+
+def critical_knee_stiffness(body: Body, ankle: Scalar, hip: Scalar, gravity: Scalar) -> Scalar:
+    """Return the knee's threshold (N·m/rad) with ankle and hip as given."""
+    shank, thigh, upper = gravity_loads(body, gravity)
+    return transmitted_load(thigh + transmitted_load(upper, hip), ankle - shank)
+
+
+def critical_hip_stiffness(body: Body, ankle: Scalar, knee: Scalar, gravity: Scalar) -> Scalar:
+    """Return the hip's threshold (N·m/rad) with ankle and knee as given."""
+    shank, thigh, upper = gravity_loads(body, gravity)
+    xp = namespace(shank, thigh, upper, ankle, knee)
+    spare = ankle - shank
+    spare_above = xp.where(spare > 0.0, bearable(knee, spare), 0.0) - thigh
+    return transmitted_load(upper, spare_above)
+
+
+def equal_rotation(
+    body: Body, knee: Scalar, gravity: Scalar = STANDARD_GRAVITY
+) -> tuple[Scalar, Scalar]:
+    """Return the neutral point at which ankle and hip turn equally, for a given knee stiffness.
+
+    On the neutral contour C v = 0; with v = (1, x, 1) its rows give x = (G2 + G3)/(Kk − G2),
+    Ka = G1 + G3 + G2 x and Kh = G3 (2 + x). Over all Kk this is a straight line; on the side of
+    softer hips the hip turns more than the ankle (the hip strategy).
+
+    Returns
+    -------
+    ankle and hip stiffness, N·m/rad; ``inf`` where Kk ≤ G2 (no neutral point).
+
+    Raises
+    ------
+    InputError
+        if gravity or the knee's stiffness is out of range.
+    """
+    checked_scalar("gravity", gravity)
+    xp = namespace(*body, gravity, knee)
+    (g1, g2, g3), _, _ = joint_gravity(body, gravity)
+    spare = checked_scalar("knee_stiffness", knee) - g2
+    knee_rotation = xp.where(spare > 0.0, (g2 + g3) / xp.where(spare > 0.0, spare, 1.0), xp.inf)
+    return g1 + g3 + g2 * knee_rotation, g3 * (2.0 + knee_rotation)

@@ -1,0 +1,213 @@
+"""A study: which parameters are fixed, which are axes, and which quantities are wanted.
+
+Read from TOML or built in Python; checked once, here. A study has one canonical form, whose
+SHA-256 is its fingerprint, and fixes by itself how its grid is cut (:mod:`.grid`).
+"""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from standfast.errors import InputError
+from standfast.parameters import PARAMETERS
+from standfast.quantities import QUANTITIES
+from standfast.study.canonical import Value, canonical_text, describe, fingerprint_of, from_json
+from standfast.study.grid import Grid
+from standfast.study.toml import read_toml
+from standfast.study.values import (
+    axis_values,
+    check_complete,
+    checked_parameters,
+    checked_quantities,
+    checked_title,
+    checked_value,
+)
+
+LARGEST_GRID = 10**13  # three hours at a billion verdicts a second
+
+
+@dataclass(frozen=True)
+class Study:
+    """A checked study; make one with :meth:`from_toml` or :meth:`from_dict`.
+
+    Attributes
+    ----------
+    title : str
+    parameters : mapping
+        parameter name to value, list or range, in the study's order.
+    quantities : tuple of str
+        what is to be computed.
+    """
+
+    title: str
+    parameters: Mapping[str, Value]
+    quantities: tuple[str, ...]
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> "Study":
+        """Read and check a study file.
+
+        Raises
+        ------
+        InputError
+            if the file is not readable, not TOML, or says something that makes no sense.
+        """
+        content = read_toml(path)
+        try:
+            return cls.from_dict(content)
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from None
+
+    @classmethod
+    def from_dict(cls, content: Mapping[str, Any]) -> "Study":
+        """Check a study given as nested mappings, laid out as in the TOML file.
+
+        Raises
+        ------
+        InputError
+            naming the key, what was given and what would be right.
+        """
+        if isinstance(content, Mapping) and "population" in content:
+            raise InputError("this is the study of a population; run: standfast population")
+        title = checked_title(content) if isinstance(content, Mapping) else ""
+        parameters = checked_parameters(content)
+        study = cls(title, parameters, checked_quantities(content.get("output", {})))
+        study.check_size()
+        return study
+
+    @classmethod
+    def from_canonical(cls, text: str) -> "Study":
+        """Read a study back from its canonical JSON.
+
+        Raises
+        ------
+        InputError
+            if the text is not such a study.
+        """
+        unreadable = InputError("the study inside the file cannot be read")
+        try:
+            content = json.loads(text)
+        except (ValueError, RecursionError):
+            raise unreadable from None
+        if not isinstance(content, dict) or set(content) != {"title", "parameters", "quantities"}:
+            raise unreadable
+        if not isinstance(content["parameters"], dict):
+            raise unreadable
+        parameters: dict[str, Value] = {}
+        for name, given in content["parameters"].items():
+            if name not in PARAMETERS:
+                raise unreadable
+            parameters[name] = checked_value(name, PARAMETERS[name], from_json(given))
+        if not {"body_model", "gravity"} <= set(parameters):
+            raise unreadable
+        check_complete(parameters)
+        study = cls(
+            str(content["title"]),
+            parameters,
+            checked_quantities({"quantities": content["quantities"]}),
+        )
+        study.check_size()
+        return study
+
+    @cached_property
+    def canonical(self) -> str:
+        """The one canonical text of this study: JSON without spaces, infinity as ``"inf"``."""
+        return canonical_text(
+            {
+                "title": self.title,
+                "parameters": self.parameters,
+                "quantities": list(self.quantities),
+            }
+        )
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """SHA-256 of the canonical text."""
+        return fingerprint_of(self.canonical)
+
+    @cached_property
+    def axes(self) -> dict[str, np.ndarray]:
+        """The parameters that vary, in the study's order, with their values."""
+        return {
+            name: values
+            for name, value in self.parameters.items()
+            if (values := axis_values(value)) is not None
+        }
+
+    @cached_property
+    def fixed(self) -> dict[str, float | str]:
+        """The parameters that have one value."""
+        return {
+            name: value for name, value in self.parameters.items() if isinstance(value, float | str)
+        }
+
+    def axes_of(self, quantity: str) -> tuple[str, ...]:
+        """Return the axes that a quantity depends on, in the study's order."""
+        needed = QUANTITIES[quantity].depends_on
+        return tuple(name for name in self.axes if name in needed)
+
+    @cached_property
+    def grid(self) -> Grid:
+        """How the grid of each quantity is cut into chunks, tiles and shards."""
+        return Grid.of(self.axes, {name: self.axes_of(name) for name in self.quantities})
+
+    @property
+    def shard_count(self) -> int:
+        """Number of shards, the pieces by which a run is resumed and shared."""
+        return self.grid.shard_count
+
+    @property
+    def points(self) -> int:
+        """Number of values to be computed, over all quantities."""
+        return sum(group.points * len(group.quantities) for group in self.grid.groups)
+
+    @property
+    def raw_bytes(self) -> int:
+        """Size of all values before compression."""
+        return sum(
+            group.points * len(group.quantities) * group.dtype.itemsize
+            for group in self.grid.groups
+        )
+
+    def check_size(self) -> None:
+        """Refuse a grid that no one would live to see.
+
+        Raises
+        ------
+        InputError
+            naming the quantity and the lengths of its axes.
+        """
+        for name in self.quantities:
+            counts = [len(self.axes[axis]) for axis in self.axes_of(name)]
+            if math.prod(counts) > LARGEST_GRID:
+                raise InputError(
+                    f"the grid of {name} has {math.prod(counts):.3g} points "
+                    f"({' × '.join(map(str, counts))}); at most {LARGEST_GRID:.0e} are allowed"
+                )
+
+    def difference(self, other: "Study") -> str:
+        """Return in words what differs from another study, key by key; empty if nothing does."""
+        changes: list[str] = []
+        if self.title != other.title:
+            changes.append(f"title: {other.title!r} there, {self.title!r} here")
+        names = list(dict.fromkeys([*other.parameters, *self.parameters]))
+        pairs = {name: (other.parameters.get(name), self.parameters.get(name)) for name in names}
+        changes += [
+            f"{name}: {describe(there)} there, {describe(here)} here"
+            for name, (there, here) in pairs.items()
+            if there != here
+        ]
+        if self.quantities != other.quantities:
+            changes.append(
+                f"quantities: {', '.join(other.quantities)} there, "
+                f"{', '.join(self.quantities)} here"
+            )
+        if not changes and list(self.parameters) != list(other.parameters):
+            changes.append("the order of the parameters")
+        return "; ".join(changes)

@@ -1,0 +1,160 @@
+"""Limits of standing, plane by plane: of a study in closed form, and out of a stored atlas.
+
+An atlas shows its limits by its verdicts (to half a step of the grid) or, finer, by a quantity that
+changes sign there. The distance from the closed form is reported, so a stored atlas carries the
+measure of its own resolution.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import contourpy
+import numpy as np
+
+from standfast.atlas import Atlas
+from standfast.errors import InputError
+from standfast.study import Study
+from standfast.thresholds.closed_form import critical_ankles, critical_hips, limit_of_standing
+from standfast.thresholds.planes import (
+    ANKLE,
+    HIP,
+    PLANE_AXES,
+    Plane,
+    finite,
+    plane_at,
+    planes_of,
+    require_plane,
+)
+
+# Quantities that change sign exactly at the limit of standing, the best first. The determinant
+# is not one: it is positive again where two modes fall.
+SIGNED = ("stiffness_reserve", "eigenvalue_1", "frequency")
+
+
+@dataclass(frozen=True, slots=True)
+class Contour:
+    """The limit of standing on one plane.
+
+    ``ankle`` and ``hip`` are the curve in closed form; ``lines`` what an atlas shows, as arrays
+    (n, 2) of ankle and hip; ``greatest`` and ``mean`` the distance of its points from the closed
+    form, along the ankle's axis or the hip's, whichever is less; ``resolution`` the greatest step
+    of the grid along that axis at those points.
+    """
+
+    plane: Plane
+    ankle: np.ndarray
+    hip: np.ndarray
+    lines: list[np.ndarray] = field(default_factory=list)
+    greatest: float = np.nan
+    mean: float = np.nan
+    resolution: float = np.nan
+
+
+def exact_contours(study: Study, only: Mapping[str, set[int]] | None = None) -> Iterator[Contour]:
+    """Go through the limits of standing of a study in closed form, plane by plane.
+
+    ``only`` keeps the planes whose index along an axis is in a set.
+
+    Raises
+    ------
+    InputError
+        if ankle or hip is not an axis with two finite values or more.
+    """
+    require_plane(study)
+    for plane in planes_of(study, only):
+        yield Contour(plane, *limit_of_standing(study, plane))
+
+
+def extracted_contours(atlas: Atlas) -> Iterator[Contour]:
+    """Go through the limits of standing that an atlas shows, plane by plane.
+
+    From a quantity that changes sign at the limit if the atlas holds one, else from the verdicts.
+    One plane is in memory at a time.
+
+    Raises
+    ------
+    InputError
+        if ankle or hip is not an axis, or the atlas holds nothing that shows the limit.
+    """
+    study = atlas.study
+    require_plane(study)
+    source, level = source_of(atlas)
+    ankles, hips = (study.axes[name] for name in PLANE_AXES)
+    variable = atlas[source]
+    swapped = variable.dims.index(HIP) < variable.dims.index(ANKLE)
+    for index, values in variable.planes(along=PLANE_AXES):
+        plane = plane_at(study, index)
+        # λ is smooth at the limit, its root is not
+        smooth = values * np.abs(values) if source == "frequency" else values
+        lines = _lines(ankles, hips, smooth.T if swapped else smooth, level)
+        errors, steps = _distances(plane, ankles, hips, lines)
+        yield Contour(
+            plane,
+            *limit_of_standing(study, plane),
+            lines,
+            float(errors.max()) if errors.size else np.nan,
+            float(errors.mean()) if errors.size else np.nan,
+            float(steps.max()) if steps.size else np.nan,
+        )
+
+
+def source_of(atlas: Atlas) -> tuple[str, float]:
+    """Return the quantity that shows the limit best, and its value there.
+
+    Raises
+    ------
+    InputError
+        if the atlas holds none.
+    """
+    for name in SIGNED:
+        if name in atlas.quantities:
+            return name, 0.0
+    if "stable" in atlas.quantities:
+        return "stable", 0.5
+    raise InputError(
+        f"{atlas.path} holds no verdicts and no margin (one of stable, {', '.join(SIGNED)}), "
+        "so it shows no limit of standing"
+    )
+
+
+def _lines(
+    ankles: np.ndarray, hips: np.ndarray, values: np.ndarray, level: float
+) -> list[np.ndarray]:
+    """Return the level lines of values (ankle, hip) as arrays of ankle and hip."""
+    rows, columns = np.isfinite(ankles), np.isfinite(hips)
+    inside = values[np.ix_(rows, columns)].astype(float)
+    if min(inside.shape) < 2:
+        return []
+    # an infinite margin is as stable as any large one
+    inside = np.nan_to_num(inside, posinf=np.finfo(float).max, neginf=-np.finfo(float).max)
+    generator = contourpy.contour_generator(hips[columns], ankles[rows], inside)
+    found: Any = generator.lines(level)
+    return [line[:, ::-1] for line in found]
+
+
+def _distances(
+    plane: Plane, ankles: np.ndarray, hips: np.ndarray, lines: list[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far the points of lines lie from the closed form, and the grid's steps there.
+
+    Measured along the ankle's axis or the hip's, whichever is nearer.
+    """
+    if not lines:
+        return np.empty(0), np.empty(0)
+    points = np.concatenate(lines)
+    ankle, hip = points.T
+    exact = np.column_stack([critical_ankles(plane, hip), critical_hips(plane, ankle)])
+    away = np.abs(points - exact)
+    nearer = np.argmin(away, axis=1)
+    steps = np.column_stack([_step_at(ankles, ankle), _step_at(hips, hip)])
+    rows = np.arange(len(points))
+    return away[rows, nearer], steps[rows, nearer]
+
+
+def _step_at(values: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Return the step of an axis around each of some values."""
+    grid = finite(values)
+    below = np.searchsorted(grid, at) - 1
+    steps: np.ndarray = np.diff(grid)[np.clip(below, 0, grid.size - 2)]
+    return steps

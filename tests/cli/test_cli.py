@@ -1,0 +1,259 @@
+"""The command as a user types it."""
+
+import csv
+import errno
+import json
+import os
+import shutil
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+
+import pytest
+
+import standfast
+import standfast.atlas.sweeping
+from standfast.cli import main
+from standfast.study import grid
+
+
+def standfast_command(*arguments, cwd=None):
+    return subprocess.run(
+        [sys.executable, "-m", "standfast", *arguments],
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        cwd=cwd,
+        check=False,
+        env={**os.environ, "PYTHONIOENCODING": "utf-8"},
+    )
+
+
+def test_help_has_an_example_and_imports_neither_jax_nor_matplotlib():
+    code = (
+        "import sys; from standfast.cli import main\n"
+        "try: main(['--help'])\n"
+        "except SystemExit: pass\n"
+        "heavy = {'jax', 'matplotlib', 'h5py'} & set(sys.modules)\n"
+        "sys.exit(f'imported {heavy}' if heavy else 0)"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False
+    )
+    assert result.returncode == 0, result.stderr
+    assert "example: standfast reproduce" in result.stdout
+
+
+@pytest.mark.parametrize("command", ["sweep", "thresholds", "plot", "info", "reproduce"])
+def test_every_command_has_an_example(command):
+    result = standfast_command(command, "--help")
+    assert result.returncode == 0
+    assert f"example: standfast {command}" in result.stdout
+
+
+def test_version():
+    assert standfast_command("--version").stdout.strip() == f"standfast {standfast.__version__}"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        [],
+        ["reprodice"],
+        ["reproduce", "--outputt", "x"],
+        ["sweep"],
+        ["sweep", "x.toml", "--part", "3/2"],
+        ["sweep", "x.toml", "--threads", "0"],
+        ["plot", "x.h5", "--format", "gif"],
+    ],
+)
+def test_wrong_words_exit_with_2_and_no_traceback(arguments):
+    result = standfast_command(*arguments)
+    assert result.returncode == 2
+    assert "Traceback" not in result.stderr
+    assert "usage: standfast" in result.stderr
+
+
+def test_reproduce_writes_figures_and_tables_and_nothing_else(tmp_path, capsys):
+    folder = tmp_path / "deep" / "paper"
+    assert main(["reproduce", "-o", str(folder)]) == 0
+    names = {path.name for path in folder.iterdir()}
+    figures = {
+        f"{stem}.{suffix}"
+        for stem in (
+            "figure2_root_locus",
+            "figure3_stability_contours",
+            "figure4_sway_patterns",
+            "figure5_frequency_bmi",
+        )
+        for suffix in ("png", "svg")
+    }
+    assert names == figures | {"comparison.md", "comparison.csv"}
+    assert "not reproduced" in capsys.readouterr().out
+    with (folder / "comparison.csv").open(encoding="utf-8", newline="") as file:
+        rows = {(row["quantity"], row["published"]): row for row in csv.DictReader(file)}
+    assert rows["hip threshold, ankle and knee rigid", "179.7"]["verdict"] == "not reproduced"
+    for path in folder.glob("*.svg"):
+        assert ET.parse(path).getroot().tag.endswith("svg")  # noqa: S314 - our own file
+
+
+def test_a_console_without_greek_and_a_users_own_style_do_not_matter(tmp_path):
+    (tmp_path / "matplotlibrc").write_text("text.usetex: True\nfont.family: serif\n")
+    result = subprocess.run(
+        [sys.executable, "-m", "standfast", "reproduce", "-o", "there"],
+        cwd=tmp_path, capture_output=True, check=False,
+        env={**os.environ, "PYTHONIOENCODING": "cp1252", "MPLBACKEND": "tkagg"},
+    )  # fmt: skip
+    assert result.returncode == 0, result.stderr
+    assert main(["reproduce", "-o", str(tmp_path / "here")]) == 0
+    for path in (tmp_path / "here").iterdir():
+        assert path.read_bytes() == (tmp_path / "there" / path.name).read_bytes()
+
+
+def test_reproduce_twice_gives_the_same_bytes(tmp_path):
+    for name in ("one", "two"):
+        main(["reproduce", "-o", str(tmp_path / name)])
+    for path in (tmp_path / "one").iterdir():
+        assert path.read_bytes() == (tmp_path / "two" / path.name).read_bytes(), path.name
+
+
+def test_a_folder_that_cannot_be_made_is_one_sentence(tmp_path, capsys):
+    blocking = tmp_path / "file"
+    blocking.write_text("in the way")
+    assert main(["reproduce", "-o", str(blocking)]) == 1
+    message = capsys.readouterr().err
+    assert message.startswith("standfast: ")
+    assert str(blocking) in message
+    assert message.count("\n") == 1
+
+
+STUDY = """
+title = "A day's work"
+gravity = 9.8
+[body]
+model = "edwards2007"
+height = 1.753
+mass = 75.3
+[stiffness]
+ankle = { start = 0, stop = 2000, num = 41 }
+knee = [1000, inf]
+hip = { start = 0, stop = 2000, num = 31 }
+[output]
+quantities = ["stable", "frequency"]
+"""
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_days_work(place, capsys):
+    """Sweep, again, info, thresholds, plot: as in the README."""
+    assert main(["sweep", "study.toml"]) == 0
+    assert "study.h5: 5,084 values" in capsys.readouterr().out
+    assert main(["sweep", "study.toml"]) == 0
+    assert "finished already" in capsys.readouterr().out
+    assert main(["info", "study.h5"]) == 0
+    shown = capsys.readouterr().out
+    assert "A day's work" in shown
+    assert "complete, 5,084 values" in shown
+    assert "ankle_stiffness   41 values from 0 to 2000 N·m/rad" in shown
+    assert len(shown.splitlines()) < 25
+    assert main(["thresholds", "study.h5"]) == 0
+    assert "distance from closed form at most" in capsys.readouterr().out
+    assert main(["thresholds", "study.toml", "-o", "exact"]) == 0
+    assert main(["plot", "study.h5", "-o", "figures", "--format", "svg"]) == 0
+    names = sorted(str(path.relative_to(place)) for path in place.rglob("*") if path.is_file())
+    assert names == [
+        "exact/study-thresholds.csv",
+        "exact/study-thresholds.h5",
+        "figures/study-frequency.svg",
+        "figures/study-limits.svg",
+        "study-thresholds.csv",
+        "study-thresholds.h5",
+        "study.h5",
+        "study.run.json",
+        "study.toml",
+    ]
+
+
+def test_info_as_json(place, capsys):
+    main(["sweep", "study.toml", "-o", "a.h5"])
+    capsys.readouterr()
+    assert main(["info", "a.h5", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["complete"] is True
+    assert told["quantities"]["stable"] == ["ankle_stiffness", "knee_stiffness", "hip_stiffness"]
+
+
+def test_parts_and_what_info_says_of_them(place, capsys, monkeypatch):
+    monkeypatch.setattr(grid, "SHARD_WORK", 1)
+    assert main(["sweep", "study.toml", "--part", "1/2"]) == 0
+    assert "without --part the same command finishes it" in capsys.readouterr().out
+    assert main(["info", "study.h5"]) == 0
+    assert "not finished, 1 of 2 shards" in capsys.readouterr().out
+    assert main(["plot", "study.h5"]) == 2
+    assert "there is no such file" in capsys.readouterr().err
+    assert main(["sweep", "study.toml"]) == 0
+
+
+def refused(capsys, arguments, *, code=2):
+    assert main(arguments) == code
+    captured = capsys.readouterr()
+    assert captured.err.startswith("standfast: ")
+    assert captured.err.count("\n") == 1
+    return captured.err
+
+
+def test_wrong_files_get_one_sentence(place, capsys):
+    (place / "words.h5").write_text("words")
+    main(["sweep", "study.toml", "-o", "a.h5"])
+    shutil.copy("a.h5", "cut.h5")
+    os.truncate("cut.h5", 5000)
+    for command in ("info", "plot", "thresholds"):
+        capsys.readouterr()
+        assert "is not an HDF5 file" in refused(capsys, [command, "words.h5"])
+        assert "is damaged or cut short" in refused(capsys, [command, "cut.h5"])
+        assert "there is no such file" in refused(capsys, [command, "none.h5"])
+    assert "no such study file" in refused(capsys, ["sweep", "none.toml"])
+    assert "is not valid TOML" in refused(capsys, ["sweep", "a.run.json"])
+    assert "make it first" in refused(capsys, ["sweep", "study.toml", "-o", "no/where.h5"])
+    assert "has no 'stabel'" in refused(capsys, ["plot", "a.h5", "-q", "stabel"])
+
+
+def test_another_studys_output_is_refused(place, capsys):
+    main(["sweep", "study.toml", "-o", "a.h5"])
+    (place / "other.toml").write_text(STUDY.replace("1000, inf", "1100, inf"), encoding="utf-8")
+    capsys.readouterr()
+    message = refused(capsys, ["sweep", "other.toml", "-o", "a.h5"])
+    assert "knee_stiffness: [1000, inf] there, [1100, inf] here" in message
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (
+            KeyboardInterrupt(),
+            "stopped; shards that are done are kept in study.h5.parts. To go on: standfast",
+        ),
+        (
+            OSError(errno.ENOSPC, "No space left"),
+            "the disk is full; shards that are done are kept in",
+        ),
+    ],
+)
+def test_a_broken_off_run_says_how_to_go_on(place, capsys, monkeypatch, error, words):
+    def broken(*arguments, **settings):
+        raise error
+
+    monkeypatch.setattr(sys.modules["standfast.atlas.sweeping"], "sweep", broken)
+    assert words in refused(capsys, ["sweep", "study.toml"], code=1)
+
+
+def test_a_run_off_the_terminal_prints_plain_lines_only(place):
+    result = standfast_command("sweep", "study.toml", cwd=place)
+    assert result.returncode == 0
+    assert "\x1b" not in result.stderr

@@ -1,0 +1,217 @@
+"""Figures: which ones an atlas gets, and that nobody has to squint at them."""
+
+import itertools
+import math
+
+import matplotlib.colors
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+import standfast as sf
+from standfast import figures
+from standfast.edwards2007 import drawings
+from standfast.figures.atlas_figures import plot
+from studies import changed
+
+SMALLEST_TEXT = 6.0  # points, at the size in which the figure is printed
+AXES = {
+    "ankle": {"start": 0, "stop": 2000, "num": 41},
+    "knee": [900.0, 2000.0, math.inf],
+    "hip": {"start": 0, "stop": 1500, "num": 31},
+}
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """Every figure that is saved, as it was saved."""
+    seen = []
+    save = figures.save
+
+    def keep(figure, stem, formats=("png",)):
+        FigureCanvasAgg(figure).draw()
+        seen.append(figure)
+        return save(figure, stem, formats)
+
+    monkeypatch.setattr(figures, "save", keep)
+    return seen
+
+
+def texts(figure):
+    """Every text that is drawn, with its box; ticks beyond the axes exist but are not drawn."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    found = [text for legend in figure.legends for text in legend.get_texts()]
+    for ax in figure.axes:
+        if not ax.axison:
+            continue
+        found += [*ax.texts, ax.title, ax.xaxis.label, ax.yaxis.label]
+        found += ax.get_legend().get_texts() if ax.get_legend() else []
+        for axis in (ax.xaxis, ax.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            found += [
+                tick.label1 for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high
+            ]
+    found += [text for text in (figure._supxlabel, figure._supylabel) if text is not None]
+    for text in found:
+        if text.get_visible() and text.get_text().strip():
+            yield text, text.get_window_extent(canvas.get_renderer())
+
+
+def atlas_of(tmp_path, quantities, stiffness=None, body=None):
+    content = changed("output.quantities", quantities)
+    content = changed("stiffness", stiffness or AXES, content)
+    content = changed("body", body or {"height": 1.75, "mass": 80.0}, content)
+    return sf.sweep(sf.Study.from_dict(content), tmp_path / "a.h5")
+
+
+def test_an_atlas_gets_the_figures_its_axes_allow(tmp_path, drawn):
+    atlas = atlas_of(
+        tmp_path,
+        [
+            "stable", "frequency", "growth_rate", "hip_ankle_ratio", "critical_ankle_stiffness",
+            "critical_knee_stiffness",
+        ],
+    )  # fmt: skip
+    written = plot(atlas, tmp_path, formats=("png", "svg", "pdf"))
+    names = {path.name for drawing in written for path in drawing.paths}
+    assert {f"a-limits.{suffix}" for suffix in ("png", "svg", "pdf")} <= names
+    assert {"a-frequency.png", "a-hip_ankle_ratio.png", "a-critical_ankle_stiffness.png"} <= names
+    assert "a-stable.png" not in names
+    for name in names:
+        assert (tmp_path / name).stat().st_size > 1000
+    assert not list(tmp_path.glob(".*.partial"))
+
+
+def test_small_multiples_over_body_size_are_thinned(tmp_path, drawn):
+    body = {"height": [1.5, 1.6, 1.7, 1.8, 1.9], "bmi": [18.0, 20.0, 22.0, 25.0, 30.0, 35.0]}
+    (limits,) = plot(atlas_of(tmp_path, ["stable"], body=body), tmp_path)
+    assert limits.left_out == "shows height at 3 of 5 values, bmi at 3 of 6 values"
+    titles = [ax.get_title() for ax in drawn[0].axes if ax.get_title()]
+    assert len(titles) == len(set(titles)) == 9
+    assert titles[0] == "$H$ = 1.5 m\nBMI = 18 kg/m²"
+    assert titles[-1] == "$H$ = 1.9 m\nBMI = 35 kg/m²"
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "body"),
+    [
+        ({"ankle": [500.0, 900.0, 1500.0], "knee": 2000.0, "hip": 500.0}, None),
+        (
+            {"ankle": 900.0, "knee": [1000.0, math.inf], "hip": 500.0},
+            {"height": [1.5, 1.9], "mass": 70.0},
+        ),
+        (
+            {"ankle": 900.0, "knee": 2000.0, "hip": 500.0},
+            {"height": 1.7, "bmi": [20.0, 30.0, 40.0]},
+        ),
+    ],
+)  # fmt: skip
+def test_without_the_plane_a_quantity_is_a_curve(tmp_path, drawn, stiffness, body):
+    atlas = atlas_of(tmp_path, ["safety_factor"], stiffness, body)
+    (drawing,) = plot(atlas, tmp_path)
+    assert [path.name for path in drawing.paths] == ["a-safety_factor.png"]
+    assert drawing.left_out == ""
+
+
+def test_nothing_to_draw_gets_a_sentence(tmp_path):
+    alone = {"ankle": 900.0, "knee": 2000.0, "hip": 500.0}
+    with pytest.raises(sf.InputError, match="has no axis to draw"):
+        plot(atlas_of(tmp_path, ["safety_factor"], alone), tmp_path)
+
+
+def test_an_unknown_quantity_gets_a_sentence_and_no_file(tmp_path):
+    atlas = atlas_of(tmp_path, ["stable"])
+    with pytest.raises(sf.InputError, match="has no 'frequenzy'"):
+        plot(atlas, tmp_path, quantities=["frequenzy"])
+    assert not list(tmp_path.glob("*.png"))
+
+
+def test_text_is_legible_inside_the_figure_and_does_not_overlap(tmp_path, drawn):
+    drawings.draw_all(tmp_path)
+    plot(atlas_of(tmp_path, ["stable", "frequency", "hip_ankle_ratio"]), tmp_path)
+    sizes = {"height": [1.5, 1.6, 1.7, 1.8, 1.9], "bmi": [18.0, 20.0, 22.0, 25.0, 30.0, 35.0]}
+    (tmp_path / "a.h5").unlink()
+    plot(
+        atlas_of(tmp_path, ["stable", "critical_hip_stiffness", "frequency"], None, sizes), tmp_path
+    )
+    assert len(drawn) == 4 + 3 + 3
+    for figure in drawn:
+        width, height = figure.canvas.get_width_height()
+        boxes = []
+        for text, box in texts(figure):
+            assert text.get_fontsize() >= SMALLEST_TEXT
+            assert box.x0 >= -1 and box.y0 >= -1, text.get_text()  # noqa: PT018
+            assert box.x1 <= width + 1 and box.y1 <= height + 1, text.get_text()  # noqa: PT018
+            boxes.append((text.get_text(), box.shrunk(0.9, 0.8)))
+        for (one, a), (other, b) in itertools.combinations(boxes, 2):
+            assert not a.overlaps(b), f"{one!r} lies on {other!r}"
+
+
+def test_axes_are_labelled_with_units(tmp_path, drawn):
+    drawings.draw_all(tmp_path)
+    for figure in drawn:
+        for ax in figure.axes:
+            assert "(" in ax.get_xlabel()
+            if ax.get_subplotspec().is_first_col():
+                assert "(" in ax.get_ylabel()
+
+
+def grey(color):
+    red, green, blue = matplotlib.colors.to_rgb(color)
+    return 0.299 * red + 0.587 * green + 0.114 * blue
+
+
+def test_curves_differ_without_colour(tmp_path, drawn):
+    drawings.draw_all(tmp_path)
+    contours = drawn[1].axes[0].lines[:6]
+    styles = [line.get_linestyle() + str(line._dash_pattern) for line in contours]
+    assert len(set(styles)) == len(styles)
+
+
+def test_regions_and_maps_read_in_grey():
+    import matplotlib as mpl  # noqa: PLC0415
+
+    shades = [grey(color) for color in ("0.92", "#56B4E9", "#E69F00")]
+    assert shades[0] - max(shades[1:]) > 0.2  # the strategies differ by their hatching
+    map_shades = np.array(
+        [grey(color) for color in mpl.colormaps["cividis"](np.linspace(0, 1, 50))]
+    )
+    assert (np.diff(map_shades) > 0.0).all()
+
+
+def test_where_everyone_stands_no_one_is_drawn_as_falling(tmp_path, monkeypatch):
+    seen = {}
+    regions = figures.strategy_regions
+    monkeypatch.setattr(
+        figures, "strategy_regions",
+        lambda ax, ankle, hip, ratio, stable: seen.update(stable=stable) or regions(
+            ax, ankle, hip, ratio, stable
+        ),
+    )  # fmt: skip
+    strong = {
+        "ankle": {"start": 1500, "stop": 3000, "num": 11},
+        "knee": 2000.0,
+        "hip": {"start": 800, "stop": 2000, "num": 13},
+    }
+    atlas = atlas_of(tmp_path, ["stable", "hip_ankle_ratio"], strong)
+    plot(atlas, tmp_path, quantities=["hip_ankle_ratio"])
+    np.testing.assert_array_equal(seen["stable"], np.asarray(atlas["stable"]).T == 1)
+    assert seen["stable"].all()
+
+
+def test_values_that_differ_late_keep_their_own_curves_and_titles(tmp_path, drawn):
+    close = {**AXES, "knee": [2000.0, 20001.0, 20002.0, 20003.0]}
+    body = {"height": [1.75, 1.75001], "mass": 80.0}
+    plot(atlas_of(tmp_path, ["stable"], close, body), tmp_path)
+    panels = [ax for ax in drawn[0].axes if ax.get_title()]
+    assert [ax.get_title() for ax in panels] == ["$H$ = 1.75 m", "$H$ = 1.75001 m"]
+    words = {text.get_text() for text in drawn[0].legends[0].get_texts()}
+    assert words == {f"$K_k$ = {knee}" for knee in (2000, 20001, 20002, 20003)}
+    assert all(len(ax.lines) == 4 for ax in panels)
+
+
+def test_a_rigid_ankle_alone_is_drawn_as_curves(tmp_path, drawn):
+    alone = {"ankle": [math.inf], "knee": 2000.0, "hip": [100.0, 200.0, 400.0]}
+    (drawing,) = plot(atlas_of(tmp_path, ["safety_factor"], alone), tmp_path)
+    assert drawing.paths[0].name == "a-safety_factor.png"

@@ -1,0 +1,75 @@
+"""Studies of populations for the tests, and how to count one without a file."""
+
+import copy
+import math
+from typing import Any
+
+import numpy as np
+
+from standfast.population import PopulationStudy
+from standfast.population.cohort.cohort import cohort_of
+from standfast.population.cohort.counting import Blocks, count_blocks, histogram_shapes
+from standfast.population.cohort.histograms import Histograms
+
+RIGID = {"distribution": "fixed", "value": math.inf}
+
+
+def law(distribution: str, relative_to: str = "absolute", **numbers: float) -> dict[str, Any]:
+    return {"distribution": distribution, "relative_to": relative_to, **numbers}
+
+
+GOOD: dict[str, Any] = {
+    "title": "Women under a stiff law",
+    "gravity": 9.81,
+    "population": {
+        "builtin": "nhanes-2017-2018",
+        "sex": "female",
+        "age": "20+",
+        "size": 40_000,
+        "seed": 5,
+    },
+    "stiffness": {
+        "ankle": law("normal", "single_joint_critical", mean=1.8, sd=0.3),
+        "knee": law("lognormal", "mgh", mean=2.0, sd=0.5),
+        "hip": law("uniform", low=200.0, high=900.0),
+    },
+}
+
+
+def changed(key: str, value: Any, base: dict[str, Any] = GOOD) -> dict[str, Any]:
+    """Return a study with one key, written ``table.key``, set to a value; None removes it."""
+    content = copy.deepcopy(base)
+    *tables, last = key.split(".")
+    place = content
+    for table in tables:
+        place = place.setdefault(table, {})
+    if value is None:
+        del place[last]
+    else:
+        place[last] = value
+    return content
+
+
+def of(content: dict[str, Any], **population: Any) -> PopulationStudy:
+    """Return a checked study with some keys of its population changed."""
+    content = copy.deepcopy(content)
+    content["population"] |= population
+    return PopulationStudy.from_dict(content)
+
+
+def counted(study: PopulationStudy) -> list[Histograms]:
+    """Count a study without a file; histograms of each replicate."""
+    cohort = cohort_of(study, study.read_people())
+    shapes = histogram_shapes(cohort)
+    found = [Histograms.empty(*shapes) for _ in range(study.replicates)]
+    for replicate, blocks in study.shards:
+        of_shard = Histograms.empty(*shapes)
+        of_shard.add(count_blocks(study, cohort, Blocks(replicate, blocks)).histograms)
+        found[replicate].add(vars(of_shard))
+    return found
+
+
+def events(found: list[Histograms]) -> tuple[np.ndarray, np.ndarray]:
+    """Return falls and persons of each replicate."""
+    verdicts = np.array([each.classes.sum(axis=(0, 1, 2)) for each in found])
+    return verdicts[:, 1], verdicts.sum(axis=1)

@@ -1,0 +1,105 @@
+"""A new quantity is one function and one row, a new parameter one row; nothing else is touched."""
+
+import h5py
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import standfast as sf
+from standfast.figures.atlas_figures import plot
+from standfast.parameters import PARAMETERS, STIFFNESS_UNIT, Parameter
+from standfast.quantities import QUANTITIES, Quantity
+
+FLOOR = Parameter(
+    "floor_stiffness",
+    "K_f",
+    STIFFNESS_UNIT,
+    "rotational stiffness of the floor under both feet",
+    0.0,
+    1e6,
+    section="floor",
+    key="stiffness",
+    default=1e5,
+    unwritten=True,
+)
+
+
+def on_floor(person):
+    """The ankle's and the floor's springs in series."""
+    ankle, floor = person.stiffness.ankle, person.given["floor_stiffness"]
+    return ankle * floor / (ankle + floor)
+
+
+ROWS = (
+    Quantity("stiffness_on_floor", "K_{af}", STIFFNESS_UNIT, "ankle and floor in series", on_floor,
+             without=("knee_stiffness", "hip_stiffness")),
+    Quantity("soft_share", "", "1", "what the floor takes", on_floor,
+             lambda one, found: 1.0 - found / one.stiffness.ankle, dtype="float32"),
+    Quantity("firm", "", "1", "the floor is the stiffer", on_floor,
+             lambda one, found: jnp.where(found > 0.5 * one.stiffness.ankle, 1, 0),
+             dtype="uint8", flags=("soft", "firm")),
+)  # fmt: skip
+STUDY = {
+    "title": "On foam",
+    "gravity": 9.81,
+    "body": {"height": 1.7, "mass": 70.0},
+    "stiffness": {
+        "ankle": {"start": 100, "stop": 2000, "num": 13},
+        "knee": [900.0, 2000.0],
+        "hip": {"start": 100, "stop": 900, "num": 5},
+    },
+    "floor": {"stiffness": [500.0, 1000.0, 20_000.0]},
+    "output": {"quantities": ["stable", *(row.name for row in ROWS)]},
+}
+
+
+@pytest.fixture(autouse=True)
+def extended(monkeypatch):
+    monkeypatch.setitem(PARAMETERS, FLOOR.name, FLOOR)
+    for row in ROWS:
+        monkeypatch.setitem(QUANTITIES, row.name, row)
+
+
+def test_they_are_swept_stored_read_and_drawn(tmp_path):
+    study = sf.Study.from_dict(STUDY)
+    assert study.axes_of("stiffness_on_floor") == ("ankle_stiffness", "floor_stiffness")
+    atlas = sf.sweep(study, tmp_path / "foam.h5")
+    ankle = study.axes["ankle_stiffness"][:, None]
+    floor = study.axes["floor_stiffness"][None, :]
+    series = ankle * floor / (ankle + floor)
+    np.testing.assert_allclose(np.asarray(atlas["stiffness_on_floor"]), series, rtol=1e-15)
+    share = np.asarray(atlas["soft_share"])
+    assert share.dtype == np.float32
+    assert share.shape == (13, 2, 5, 3)
+    wanted = np.broadcast_to((1.0 - series / ankle)[:, None, None, :], share.shape)
+    np.testing.assert_allclose(share, wanted, rtol=1e-6)
+    firm = np.asarray(atlas["firm"])
+    assert firm.dtype == np.uint8
+    assert np.array_equal(firm[:, 1, 2, :], series > 0.5 * ankle)
+    with h5py.File(atlas.path) as file:
+        assert file["firm"].attrs["flag_meanings"] == b"soft firm"
+        assert file["floor_stiffness"].attrs["units"] == STIFFNESS_UNIT.encode()
+    assert atlas.to_xarray().firm.dims[-1] == "floor_stiffness"
+    assert sf.compute(study).identical(atlas.to_xarray().load())
+    drawn = plot(atlas, tmp_path)
+    names = {path.name for drawing in drawn for path in drawing.paths}
+    assert {"foam-soft_share.png", "foam-stiffness_on_floor.png"} <= names
+
+
+def test_a_study_that_does_not_name_it_is_as_before(tmp_path):
+    """Its canonical text, so its fingerprint, and the default."""
+    content = {key: value for key, value in STUDY.items() if key != "floor"}
+    study = sf.Study.from_dict(content)
+    assert "floor_stiffness" not in study.canonical
+    assert sf.Study.from_canonical(study.canonical) == study
+    atlas = sf.sweep(study, tmp_path / "a.h5")
+    ankle = study.axes["ankle_stiffness"]
+    series = ankle * 1e5 / (ankle + 1e5)
+    np.testing.assert_allclose(np.asarray(atlas["stiffness_on_floor"]), series, rtol=1e-15)
+
+
+def test_a_wrong_value_gets_its_sentence():
+    with pytest.raises(sf.InputError, match=r"floor.stiffness = -1 is outside the allowed range"):
+        sf.Study.from_dict({**STUDY, "floor": {"stiffness": -1.0}})
+    with pytest.raises(sf.InputError, match=r"\[floor\] has no key 'stifness'; did you mean"):
+        sf.Study.from_dict({**STUDY, "floor": {"stifness": 1.0}})

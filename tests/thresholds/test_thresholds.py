@@ -1,0 +1,158 @@
+"""Limits of standing: closed form, contours of an atlas, and the distance between them."""
+
+import csv
+import io
+import math
+
+import h5py
+import numpy as np
+import pytest
+
+import standfast as sf
+from standfast import thresholds
+from studies import GOOD, changed
+
+AXES = {
+    "knee": [800.0, 2000.0, math.inf],
+    "ankle": {"start": 0, "stop": 2000, "num": 101},
+    "hip": {"start": 0, "stop": 1500, "num": 61},
+}
+GRID = changed("stiffness", AXES, changed("body", {"height": [1.6, 1.8], "bmi": 23.0}))
+
+
+def study_of(*quantities):
+    return sf.Study.from_dict(changed("output.quantities", list(quantities), GRID))
+
+
+def on_the_limit(place, ankle, hip):
+    """Smallest eigenvalue of C relative to its largest, by LAPACK; 0 on the limit."""
+    c = sf.stiffness_matrix(place.body, sf.Stiffness(ankle, place.knee, hip), place.gravity)
+    if math.isinf(place.knee):
+        c = c[np.ix_([0, 2], [0, 2])]
+    values = np.linalg.eigvalsh(c)
+    return values[0] / values[-1]
+
+
+def test_closed_form_points_lie_on_the_limit():
+    found = list(thresholds.exact_contours(study_of("stable")))
+    assert len(found) == 2 * 3
+    for contour in found:
+        assert contour.ankle.size > 50
+        assert (np.diff(contour.ankle) >= 0.0).all()
+        assert (np.diff(contour.hip) <= 0.0).all()
+        for ankle, hip in zip(contour.ankle[::7], contour.hip[::7], strict=True):
+            assert on_the_limit(contour.plane, ankle, hip) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_places_follow_the_axes():
+    planes = list(thresholds.planes_of(study_of("stable")))
+    assert [(p.values["height"], p.knee) for p in planes[:4]] == [
+        (1.6, 800.0), (1.6, 2000.0), (1.6, math.inf), (1.8, 800.0),
+    ]  # fmt: skip
+    direct = sf.Body.from_height_mass(1.8, 23.0 * 1.8**2)
+    np.testing.assert_allclose(planes[3].body.segment_mass, direct.segment_mass, rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "steps"),
+    [
+        # a verdict knows the limit to half a step; a smooth margin to the square of a step
+        ("stable", 0.51),
+        ("stiffness_reserve", 0.05),
+        ("eigenvalue_1", 0.05),
+        ("frequency", 0.05),
+    ],
+)
+def test_contours_of_an_atlas_lie_on_the_closed_form(tmp_path, quantity, steps):
+    atlas = sf.sweep(study_of(quantity, "safety_factor"), tmp_path / "a.h5")
+    found = list(thresholds.extracted_contours(atlas))
+    assert thresholds.source_of(atlas)[0] == quantity
+    assert len(found) == 6
+    for contour in found:
+        assert len(contour.lines) == 1
+        assert contour.resolution == pytest.approx(25.0)  # the hip's, the larger of the two
+        assert 0.0 < contour.greatest <= steps * 25.0
+        assert contour.mean < contour.greatest
+
+
+def test_the_best_source_is_taken(tmp_path):
+    atlas = sf.sweep(study_of("stable", "frequency", "stiffness_reserve"), tmp_path / "a.h5")
+    assert thresholds.source_of(atlas) == ("stiffness_reserve", 0.0)
+
+
+def test_axes_in_another_order_give_the_same_contours(tmp_path):
+    turned = changed("stiffness", dict(reversed(AXES.items())), GRID)
+    one = sf.sweep(study_of("stable"), tmp_path / "one.h5")
+    other = sf.sweep(sf.Study.from_dict(turned), tmp_path / "other.h5")
+    lines = {tuple(c.plane.values.items()): c.lines[0] for c in thresholds.extracted_contours(one)}
+    for contour in thresholds.extracted_contours(other):
+        same = lines[tuple((k, contour.plane.values[k]) for k in ("height", "knee_stiffness"))]
+        assert {tuple(point) for point in contour.lines[0]} == {tuple(point) for point in same}
+
+
+def test_tables_hold_every_curve(tmp_path):
+    study = study_of("stable")
+    atlas = sf.sweep(study, tmp_path / "a.h5")
+    found = list(thresholds.extracted_contours(atlas))
+    table, store = thresholds.write_tables(study, found, tmp_path / "t")
+    rows = list(csv.DictReader(io.StringIO(table.read_text(encoding="utf-8"))))
+    counts = [sum(row["source"] == source for row in rows) for source in ("closed form", "atlas")]
+    assert counts[0] == sum(contour.ankle.size for contour in found)
+    assert counts[1] == sum(len(contour.lines[0]) for contour in found)
+    assert list(rows[0]) == [
+        "height [m]", "knee_stiffness [N·m/rad]", "ankle_stiffness [N·m/rad]",
+        "hip_stiffness [N·m/rad]", "source",
+    ]  # fmt: skip
+    with h5py.File(store, "r") as file:
+        assert len(file["thresholds"]) == 6
+        group = file["thresholds/000004"]
+        assert group.attrs["height"] == 1.8
+        assert group.attrs["knee_stiffness"] == 2000.0
+        assert group.attrs["body_model"] == "winter"
+        np.testing.assert_array_equal(group["closed_form"][:, 0], found[4].ankle)
+        np.testing.assert_array_equal(group["contour"][...], found[4].lines[0])
+        assert group.attrs["greatest_distance"] == found[4].greatest
+    assert not list(tmp_path.glob("*.partial"))
+
+
+def test_a_study_without_the_plane_gets_a_sentence():
+    with pytest.raises(sf.InputError, match="hip_stiffness is no axis of this study"):
+        list(thresholds.exact_contours(sf.Study.from_dict(GOOD)))
+
+
+def test_an_atlas_that_shows_no_limit_gets_a_sentence(tmp_path):
+    # the determinant changes its sign also where a second mode begins to fall
+    atlas = sf.sweep(study_of("safety_factor", "stability_determinant"), tmp_path / "a.h5")
+    with pytest.raises(sf.InputError, match="holds no verdicts and no margin"):
+        list(thresholds.extracted_contours(atlas))
+
+
+def test_a_person_who_stands_everywhere_has_no_limit(tmp_path):
+    axes = {"ankle": [5000.0, 6000.0], "knee": math.inf, "hip": [5000.0, 6000.0, 7000.0]}
+    atlas = sf.sweep(sf.Study.from_dict(changed("stiffness", axes)), tmp_path / "a.h5")
+    (contour,) = thresholds.extracted_contours(atlas)
+    assert contour.ankle.size == 0
+    assert contour.lines == []
+    assert math.isnan(contour.greatest)
+
+
+def test_tables_of_one_atlas_do_not_touch_another(tmp_path):
+    """A dot in a name is no suffix: run.2.h5 must not write run.h5."""
+    neighbour = tmp_path / "run.h5"
+    neighbour.write_text("my other atlas")
+    study = study_of("stable")
+    written = thresholds.write_tables(study, thresholds.exact_contours(study), tmp_path / "run.2-t")
+    assert [path.name for path in written] == ["run.2-t.csv", "run.2-t.h5"]
+    assert neighbour.read_text() == "my other atlas"
+
+
+@pytest.mark.parametrize("ankle", [[math.inf], [900.0], [900.0, math.inf]])
+def test_an_axis_with_fewer_than_two_finite_values_gets_a_sentence(ankle):
+    axes = {"ankle": ankle, "knee": 2000.0, "hip": [100.0, 200.0]}
+    with pytest.raises(sf.InputError, match="ankle_stiffness has fewer than two finite values"):
+        list(thresholds.exact_contours(sf.Study.from_dict(changed("stiffness", axes))))
+
+
+def test_only_the_planes_asked_for_are_computed():
+    planes = list(thresholds.planes_of(study_of("stable"), {"knee_stiffness": {2}, "height": {1}}))
+    assert [(place.values["height"], place.knee) for place in planes] == [(1.8, math.inf)]

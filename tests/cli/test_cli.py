@@ -44,6 +44,29 @@ def test_help_has_an_example_and_imports_neither_jax_nor_matplotlib():
     assert "example: standfast reproduce" in result.stdout
 
 
+def test_what_only_reads_starts_without_jax(place, monkeypatch):
+    main(["sweep", "study.toml"])
+    for command, needless in (
+        ("info", {"jax", "scipy", "matplotlib"}),
+        ("thresholds", {"jax", "scipy", "matplotlib"}),
+        ("plot", {"jax", "scipy", "matplotlib.pyplot"}),
+    ):
+        code = (
+            f"import sys; from standfast.cli import main; main([{command!r}, 'study.h5'])\n"
+            f"heavy = {needless} & set(sys.modules)\n"
+            "sys.exit(f'imported {heavy}' if heavy else 0)"
+        )
+        result = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
+        assert result.returncode == 0, result.stderr
+
+
+def test_a_reader_that_has_seen_enough_loses_no_file(place):
+    main(["sweep", "study.toml"])
+    command = f"{sys.executable} -m standfast thresholds study.h5 | head -1"
+    subprocess.run(command, shell=True, capture_output=True, check=True)  # noqa: S602 - a pipe
+    assert {"study-thresholds.csv", "study-thresholds.h5"} <= {p.name for p in place.iterdir()}
+
+
 @pytest.mark.parametrize("command", ["sweep", "thresholds", "plot", "info", "reproduce"])
 def test_every_command_has_an_example(command):
     result = standfast_command(command, "--help")

@@ -3,7 +3,7 @@
 from collections.abc import Generator, Hashable, Iterable, Iterator
 from functools import cached_property
 from pathlib import Path
-from typing import Any, overload
+from typing import Any, Unpack, overload
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from standfast.atlas.reader import Atlas
 from standfast.atlas.writer import EncodedTile, read_chunks, write_atlas, write_chunks
 from standfast.engine import Evaluator
 from standfast.errors import InputError
-from standfast.run import Announce, Progress, check_run, run_job
+from standfast.run import Announce, Progress, RunOptions, checked_options, run_job
 from standfast.run.shards import HEADER_BYTES
 from standfast.study import Group, Study, Tile
 
@@ -23,46 +23,22 @@ STEPS_TOGETHER = 8
 
 @overload
 def sweep(
-    study: Study,
-    output: str | Path,
-    *,
-    threads: int | None = None,
-    part: None = None,
-    progress: Progress | None = None,
-    estimate: Announce | None = None,
+    study: Study, output: str | Path, *, part: None = None, **options: Unpack[RunOptions]
 ) -> Atlas: ...
 
 
 @overload
 def sweep(
-    study: Study,
-    output: str | Path,
-    *,
-    threads: int | None = None,
-    part: tuple[int, int],
-    progress: Progress | None = None,
-    estimate: Announce | None = None,
+    study: Study, output: str | Path, *, part: tuple[int, int], **options: Unpack[RunOptions]
 ) -> None: ...
 
 
-@overload
 def sweep(
     study: Study,
     output: str | Path,
     *,
-    threads: int | None = None,
-    part: tuple[int, int] | None,
-    progress: Progress | None = None,
-    estimate: Announce | None = None,
-) -> Atlas | None: ...
-
-
-def sweep(
-    study: Study,
-    output: str | Path,
-    *,
-    threads: int | None = None,
     part: tuple[int, int] | None = None,
+    threads: int | None = None,
     progress: Progress | None = None,
     estimate: Announce | None = None,
 ) -> Atlas | None:
@@ -72,12 +48,12 @@ def sweep(
     ----------
     study, output
         what to compute, and the file to write.
-    threads
-        how many threads compute and compress (default: as many as cores); the file does not depend
-        on it.
     part
         ``(i, N)`` computes the i-th of N shares of the shards, 1 ≤ i ≤ N, and finishes nothing; a
         call without ``part`` does what is left.
+    threads
+        how many threads compute and compress (default: as many as cores); the file does not depend
+        on it.
     progress, estimate
         called after every tile with the values done and all, and once before the first with what
         the run will take (:class:`standfast.run.Estimate`).
@@ -93,15 +69,8 @@ def sweep(
     OSError
         if the disk fills up after all; what is done stays and the same call goes on.
     """
-    check_run(threads, part)
-    return run_job(
-        _Sweep(study),
-        Path(output),
-        threads=threads,
-        part=part,
-        progress=progress,
-        estimate=estimate,
-    )
+    options = checked_options(part, threads, progress, estimate)
+    return run_job(_Sweep(study), Path(output), part, options)
 
 
 class _Sweep:

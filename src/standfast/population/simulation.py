@@ -2,7 +2,7 @@
 
 from collections.abc import Generator, Hashable, Iterable, Iterator
 from pathlib import Path
-from typing import Any, overload
+from typing import Any, Unpack, overload
 
 import h5py
 import numpy as np
@@ -23,15 +23,11 @@ from standfast.population.cohort.counting import (
 from standfast.population.cohort.histograms import Histograms
 from standfast.population.people.records import People
 from standfast.population.people.study import PopulationStudy
-from standfast.population.summary.file import (
-    Population,
-    new_persons,
-    open_population,
-    write_summary,
-)
+from standfast.population.summary.file import Population, open_population
 from standfast.population.summary.sensitivity import sensitivity_of
 from standfast.population.summary.summary import Summary
-from standfast.run import Announce, Progress, check_run, run_job
+from standfast.population.summary.writing import new_persons, write_summary
+from standfast.run import Announce, Progress, RunOptions, checked_options, run_job
 from standfast.run.shards import HEADER_BYTES
 
 
@@ -40,11 +36,9 @@ def simulate(
     study: PopulationStudy,
     output: str | Path,
     *,
-    threads: int | None = None,
     part: None = None,
     strict: bool = False,
-    progress: Progress | None = None,
-    estimate: Announce | None = None,
+    **options: Unpack[RunOptions],
 ) -> Population: ...
 
 
@@ -53,34 +47,19 @@ def simulate(
     study: PopulationStudy,
     output: str | Path,
     *,
-    threads: int | None = None,
     part: tuple[int, int],
     strict: bool = False,
-    progress: Progress | None = None,
-    estimate: Announce | None = None,
+    **options: Unpack[RunOptions],
 ) -> None: ...
 
 
-@overload
 def simulate(
     study: PopulationStudy,
     output: str | Path,
     *,
-    threads: int | None = None,
-    part: tuple[int, int] | None,
-    strict: bool = False,
-    progress: Progress | None = None,
-    estimate: Announce | None = None,
-) -> Population | None: ...
-
-
-def simulate(
-    study: PopulationStudy,
-    output: str | Path,
-    *,
-    threads: int | None = None,
     part: tuple[int, int] | None = None,
     strict: bool = False,
+    threads: int | None = None,
     progress: Progress | None = None,
     estimate: Announce | None = None,
 ) -> Population | None:
@@ -90,15 +69,12 @@ def simulate(
     ----------
     study, output
         who and how many, and the file to write.
-    threads
-        how many threads count (default: as many as cores). The file does not depend on it.
     part
         ``(i, N)`` counts the i-th of N shares, 1 ≤ i ≤ N, and finishes nothing.
     strict
         stop at the first row of a file of people that cannot be used.
-    progress, estimate
-        called after every block with the persons done and all, and once before the first with what
-        the run will take (:class:`standfast.run.Estimate`).
+    threads, progress, estimate
+        as of :func:`standfast.sweep`, with persons in place of values.
 
     Returns
     -------
@@ -111,15 +87,9 @@ def simulate(
     OSError
         if the disk does not take it; what is done stays and the same call goes on.
     """
-    check_run(threads, part)
-    return run_job(
-        _Simulation(study, study.read_people(strict=strict)),
-        Path(output),
-        threads=threads,
-        part=part,
-        progress=progress,
-        estimate=estimate,
-    )
+    options = checked_options(part, threads, progress, estimate)
+    job = _Simulation(study, study.read_people(strict=strict))
+    return run_job(job, Path(output), part, options)
 
 
 # Blocks that are a thread's unit. Each hands counts to another thread, which leaves holes in the

@@ -3,7 +3,7 @@
 from standfast.run.estimate import Estimate
 from standfast.run.folder import RunFolder, parts_of, tidy_up_after, unfinished
 from standfast.run.lock import BusyError
-from standfast.run.loop import Announce, Progress, check_run, run_job
+from standfast.run.loop import Announce, Progress, RunOptions, checked_options, run_job
 
 __all__ = [
     "Announce",
@@ -11,7 +11,8 @@ __all__ = [
     "Estimate",
     "Progress",
     "RunFolder",
-    "check_run",
+    "RunOptions",
+    "checked_options",
     "parts_of",
     "run_job",
     "tidy_up_after",

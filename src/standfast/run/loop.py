@@ -12,7 +12,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing
 from itertools import groupby, islice
 from pathlib import Path
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypedDict, TypeVar
 
 import numpy as np
 
@@ -22,10 +22,19 @@ from standfast.run.folder import RunFolder, tidy_up_after
 from standfast.run.log import write_log
 from standfast.run.shards import Work, shard_path
 
-# Called with the values (or persons) done and all of the run, after every unit.
+# Called after every unit with the values (or persons) done and all of the run.
 Progress = Callable[[int, int], None]
 # Called with the estimate before the first.
 Announce = Callable[[Estimate], None]
+
+
+class RunOptions(TypedDict, total=False):
+    """How a run is done, which changes nothing in its file."""
+
+    threads: int | None
+    progress: Progress | None
+    estimate: Announce | None
+
 
 # Batches under way or waiting to be written, for each thread.
 AHEAD = 3
@@ -88,19 +97,12 @@ class Job(Protocol[Unit, Piece, Result_co]):
 def run_job(
     job: Job[Unit, Piece, Result_co],
     output: Path,
-    *,
-    threads: int | None,
     part: tuple[int, int] | None,
-    progress: Progress | None,
-    estimate: Announce | None,
+    options: RunOptions,
 ) -> Result_co | None:
-    """Compute a job into a file; the same call resumes what was broken off.
+    """Compute a job into a file, or None of a part; the same call resumes what was broken off.
 
     Parameters and errors are those of :func:`standfast.sweep` and :func:`standfast.simulate`.
-
-    Returns
-    -------
-    The finished file; None after a part.
     """
     if output.exists():
         return _already_there(job, output)
@@ -111,13 +113,13 @@ def run_job(
         missing = folder.missing()
         if part is not None:
             missing = [number for number in missing if number % part[1] == part[0] - 1]
-        with closing(_Computing(job, missing, threads or os.cpu_count() or 1)) as run:
+        with closing(_Computing(job, missing, options)) as run:
             if missing:
                 found = run.estimate(folder, finishes=part is None)
                 found.require_room(output, job.what)
-                if estimate is not None:
-                    estimate(found)
-            computed = run.pieces(progress)
+                if announce := options.get("estimate"):
+                    announce(found)
+            computed = run.pieces()
             if part is not None:
                 for number in missing:
                     with closing(_new_shard(job, folder, number, computed)) as written:
@@ -129,18 +131,18 @@ def run_job(
     return job.open(output)
 
 
-def check_run(threads: int | None, part: tuple[int, int] | None) -> None:
-    """Refuse a number of threads or a share of the work that is none.
-
-    Raises
-    ------
-    InputError
-        naming it.
-    """
+def checked_options(
+    part: tuple[int, int] | None,
+    threads: int | None,
+    progress: Progress | None,
+    estimate: Announce | None,
+) -> RunOptions:
+    """Return the options of a run; refuse a number of threads or a share that is none."""
     if threads is not None and threads < 1:
         raise InputError(f"threads = {threads} is not a number of threads; give 1 or more")
     if part is not None and not 1 <= part[0] <= part[1]:
         raise InputError(f"part = {part[0]}/{part[1]} is not a share; give i/N with 1 ≤ i ≤ N")
+    return {"threads": threads, "progress": progress, "estimate": estimate}
 
 
 def _already_there(job: Job[Unit, Piece, Result_co], output: Path) -> Result_co:
@@ -184,13 +186,15 @@ def _new_shard(
 class _Computing(Generic[Unit, Piece]):
     """The units of the shards that are missing: estimated, and computed in threads."""
 
-    def __init__(self, job: Job[Unit, Piece, Any], missing: list[int], threads: int) -> None:
-        self.job, self.threads, self.shards = job, threads, len(missing)
+    def __init__(self, job: Job[Unit, Piece, Any], missing: list[int], options: RunOptions) -> None:
+        self.job, self.shards = job, len(missing)
+        self.threads = options.get("threads") or os.cpu_count() or 1
+        self.progress = options.get("progress")
         self.units = [unit for number in missing for unit in job.units(number)]
         self.sizes = [job.size(unit) for unit in self.units]
         self.total = sum(self.sizes)
         self._known: dict[Unit, Piece] = {}
-        self._pool = ThreadPoolExecutor(threads)
+        self._pool = ThreadPoolExecutor(self.threads)
 
     def close(self) -> None:
         """Let go of the threads, and of what they have not begun."""
@@ -212,7 +216,7 @@ class _Computing(Generic[Unit, Piece]):
         disk = disk_needed(size, self.shards, stored=stored, finishes=finishes)
         return Estimate(self.total, disk, seconds, free_bytes(folder.path))
 
-    def pieces(self, progress: Progress | None) -> Generator[Piece, None, None]:
+    def pieces(self) -> Generator[Piece, None, None]:
         """Compute the units in threads; give their pieces in order."""
         waiting: deque[Future[list[Piece]]] = deque()
         left = self._batches()
@@ -225,8 +229,8 @@ class _Computing(Generic[Unit, Piece]):
                 return
             for piece in waiting.popleft().result():
                 done += next(sizes)
-                if progress is not None:
-                    progress(done, self.total)
+                if self.progress is not None:
+                    self.progress(done, self.total)
                 yield piece
 
     def _batches(self) -> Iterator[list[Unit]]:

@@ -18,7 +18,7 @@ from standfast.population.people.distributions import (
     checked_distribution,
 )
 from standfast.population.people.records import SEXES
-from standfast.population.people.sampling import REPLICATES
+from standfast.population.people.sobol import REPLICATES
 from standfast.study.values import known_keys
 
 POPULATION_KEYS = (

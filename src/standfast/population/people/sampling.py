@@ -15,10 +15,6 @@ from standfast.parameters import JOINTS
 from standfast.population.people.distributions import UNCORRELATED, Coordinate, Correlation
 from standfast.population.people.sobol import sobol_block
 
-# Independent scramblings of a quasi-Monte Carlo run: the interval is Student's t of their spread.
-REPLICATES = 16
-LARGEST_BLOCK = 2**17
-
 STREAM = 0  # of a seed; scrambling is another
 
 # Of an eigenvalue of a correlation.

@@ -24,7 +24,7 @@ from standfast.population.people.keys import (
     subpopulations_of,
 )
 from standfast.population.people.records import People, read_people
-from standfast.population.people.sampling import LARGEST_BLOCK, REPLICATES
+from standfast.population.people.sobol import LARGEST_BLOCK, REPLICATES
 from standfast.study.canonical import canonical_text, fingerprint_of, from_json, json_value
 from standfast.study.toml import read_toml
 from standfast.study.values import checked_title, known_keys

@@ -10,8 +10,8 @@ from standfast.engine import map_over_batch
 from standfast.parameters import JOINTS
 from standfast.population.cohort.cohort import Cohort
 from standfast.population.cohort.persons import margins
-from standfast.population.people.sampling import REPLICATES, Sampler
-from standfast.population.people.sobol import sobol_block
+from standfast.population.people.sampling import Sampler
+from standfast.population.people.sobol import REPLICATES, sobol_block
 from standfast.population.summary.estimators import NoVarianceError, SobolIndices, sobol_indices
 
 # Persons a scrambling, on which sensitivity is asked.

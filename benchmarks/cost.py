@@ -7,7 +7,7 @@ disturbs. A change of XLA may move them, a change of ours should have a reason. 
 
 import sys
 
-from harness import ROOT, Demand, Report, Row
+from harness import ROOT, Demand, Report
 
 sys.path.insert(0, str(ROOT / "tests" / "helpers"))
 from kernels import KERNELS, POINTS, program
@@ -30,7 +30,6 @@ def main() -> None:
         cost = program(function, *arguments()).cost_analysis()
         counts = (cost["flops"] / POINTS, cost["bytes accessed"] / POINTS)
         for count, bound, unit in zip(counts, BOUNDS[name], ("operations", "bytes"), strict=True):
-            report.rows.append(Row(name, [1.0], count, f"{unit} a point"))
             report.demands.append(Demand(f"{name}: {unit} a point", bound, count, most=True))
     report.write()
 

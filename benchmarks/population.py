@@ -16,9 +16,8 @@ import numpy as np
 from harness import Demand, Report, Row, in_turn, ratio
 from standfast.population import PopulationStudy
 from standfast.population.cohort.cohort import Cohort, cohort_of
-from standfast.population.cohort.counting import Blocks, Counts, count_blocks, histogram_shapes
+from standfast.population.cohort.counting import Block, Counts, count_block, histogram_shapes
 from standfast.population.cohort.histograms import Histograms
-from standfast.population.simulation import TOGETHER
 from standfast.study.toml import read_toml
 
 SIZE = 10**8
@@ -36,7 +35,7 @@ def main() -> None:
 
     def ours() -> None:
         together = Histograms.empty(*histogram_shapes(cohort))
-        for counts in _counted(study, cohort, threads):
+        for counts in _counted(study, cohort, 2 * threads):
             together.add(counts.histograms)
         classes = together.classes
         fractions["standfast"] = (classes[..., 1].sum() / classes.sum(), study.size)
@@ -112,7 +111,7 @@ def main() -> None:
     detailed = PopulationStudy.from_dict(content)
 
     def with_details() -> None:
-        list(_counted(detailed, cohort, threads))
+        list(_counted(detailed, cohort, 2 * threads))
 
     few = in_turn({"details": with_details}, 5)["details"]
     report.rows.insert(
@@ -122,11 +121,10 @@ def main() -> None:
 
 
 def _counted(study: PopulationStudy, cohort: Cohort, threads: int) -> Iterator[Counts]:
-    """Count all blocks in threads, as a simulation does it."""
-    blocks = range(study.blocks_per_replicate)
-    units = [Blocks(0, blocks[first:][:TOGETHER]) for first in blocks[::TOGETHER]]
+    """Count all blocks in threads, as a simulation does: two of them a core."""
+    units = [Block(0, number) for number in range(study.blocks_per_replicate)]
     with ThreadPoolExecutor(threads) as pool:
-        yield from pool.map(lambda unit: count_blocks(study, cohort, unit), units)
+        yield from pool.map(lambda unit: count_block(study, cohort, unit), units)
 
 
 def _plain(normal: np.ndarray, uniform: np.ndarray) -> float:

@@ -71,9 +71,9 @@ def _section(report: dict[str, Any]) -> list[str]:
         f"`python benchmarks/{report['name']}.py`: {report['settings']}.",
         f"{machine['processor']}, {machine['cores']} cores, {machine['system']}{device}, Python "
         f"{machine['python']}; {packages}.\n",
-        "| what | rate | seconds, median (range) | |",
-        "|---|---|---|---|",
     ]
+    if report["rows"]:
+        lines += ["| what | rate | seconds, median (range) | |", "|---|---|---|---|"]
     for row in report["rows"]:
         seconds = sorted(row["seconds"])
         middle = seconds[len(seconds) // 2]

@@ -8,7 +8,7 @@ import numpy as np
 
 from standfast.population import PopulationStudy
 from standfast.population.cohort.cohort import cohort_of
-from standfast.population.cohort.counting import Blocks, count_blocks, histogram_shapes
+from standfast.population.cohort.counting import Block, count_block, histogram_shapes
 from standfast.population.cohort.histograms import Histograms
 
 RIGID = {"distribution": "fixed", "value": math.inf}
@@ -64,7 +64,8 @@ def counted(study: PopulationStudy) -> list[Histograms]:
     found = [Histograms.empty(*shapes) for _ in range(study.replicates)]
     for replicate, blocks in study.shards:
         of_shard = Histograms.empty(*shapes)
-        of_shard.add(count_blocks(study, cohort, Blocks(replicate, blocks)).histograms)
+        for block in blocks:
+            of_shard.add(count_block(study, cohort, Block(replicate, block)).histograms)
         found[replicate].add(vars(of_shard))
     return found
 

@@ -77,6 +77,7 @@ class _Sweep:
     """A sweep as the loop takes it: a unit is a tile, a piece its encoded chunks."""
 
     what = "values"
+    threads_a_core = 1
 
     def __init__(self, study: Study) -> None:
         self.study = study

@@ -14,9 +14,9 @@ from standfast.errors import InputError
 from standfast.population.cohort.cohort import Cohort, cohort_of
 from standfast.population.cohort.counting import (
     KEPT,
-    Blocks,
+    Block,
     Counts,
-    count_blocks,
+    count_block,
     histogram_shapes,
     is_detailed,
 )
@@ -92,47 +92,40 @@ def simulate(
     return run_job(job, Path(output), part, options)
 
 
-# Blocks that are a thread's unit. Each hands counts to another thread, which leaves holes in the
-# memory of the first: of single blocks it grew by 0.2 MB a block.
-TOGETHER = 8
-
-
 class _Simulation:
-    """A population as the loop takes it: a unit is some blocks of persons, a piece their counts.
+    """A population as the loop takes it: a unit is a block of persons, a piece its counts.
 
     A shard holds the sums of its blocks, then what was kept of every person, block by block.
     """
 
     what = "persons"
+    threads_a_core = 2  # one that waits for compiled code leaves its core to another
 
     def __init__(self, study: PopulationStudy, people: People | None) -> None:
         keep_freed_memory()
         self.study = study
         self.cohort: Cohort = cohort_of(study, people)
 
-    def units(self, shard: int) -> list[Blocks]:
+    def units(self, shard: int) -> list[Block]:
         replicate, numbers = self.study.shards[shard]
-        return [
-            Blocks(replicate, numbers[first : first + TOGETHER])
-            for first in range(0, len(numbers), TOGETHER)
-        ]
+        return [Block(replicate, number) for number in numbers]
 
-    def size(self, unit: Blocks) -> int:
-        return sum(map(self.study.block_persons, unit.numbers))
+    def size(self, unit: Block) -> int:
+        return self.study.block_persons(unit.number)
 
-    def kind(self, unit: Blocks) -> Hashable:
-        return is_detailed(self.study, unit.numbers[0])
+    def kind(self, unit: Block) -> Hashable:
+        return is_detailed(self.study, unit)
 
     def batch(self, kind: Hashable) -> int:
         del kind
         return 1
 
-    def compute(self, unit: Blocks) -> Counts:
-        return count_blocks(self.study, self.cohort, unit)
+    def compute(self, unit: Block) -> Counts:
+        return count_block(self.study, self.cohort, unit)
 
-    def stored_bytes(self, unit: Blocks, piece: Counts) -> float:
-        share = len(unit.numbers) / len(self.study.shards[0][1])
-        return self._empty().nbytes * share + len(piece.kept)
+    def stored_bytes(self, unit: Block, piece: Counts) -> float:
+        del unit
+        return self._empty().nbytes / len(self.study.shards[0][1]) + len(piece.kept)
 
     def into_shard(
         self, path: Path | None, shard: int, pieces: Iterable[Counts]

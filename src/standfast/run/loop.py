@@ -55,6 +55,10 @@ class Job(Protocol[Unit, Piece, Result_co]):
     def what(self) -> str:
         """What is counted: values, or persons."""
 
+    @property
+    def threads_a_core(self) -> int:
+        """How many threads are started for each core if their number is not given."""
+
     def units(self, shard: int) -> list[Unit]:
         """Return the units of a shard, in order."""
 
@@ -62,7 +66,7 @@ class Job(Protocol[Unit, Piece, Result_co]):
         """Return how many values or persons a unit is."""
 
     def kind(self, unit: Unit) -> Hashable:
-        """Return what tells units apart that take different times; those alike are neighbours."""
+        """Return what tells units apart that take different times."""
 
     def batch(self, kind: Hashable) -> int:
         """Return how many units of a kind a thread takes at once."""
@@ -188,7 +192,7 @@ class _Computing(Generic[Unit, Piece]):
 
     def __init__(self, job: Job[Unit, Piece, Any], missing: list[int], options: RunOptions) -> None:
         self.job, self.shards = job, len(missing)
-        self.threads = options.get("threads") or os.cpu_count() or 1
+        self.threads = options.get("threads") or job.threads_a_core * (os.cpu_count() or 1)
         self.progress = options.get("progress")
         self.units = [unit for number in missing for unit in job.units(number)]
         self.sizes = [job.size(unit) for unit in self.units]
@@ -203,9 +207,11 @@ class _Computing(Generic[Unit, Piece]):
     def estimate(self, folder: RunFolder[Work], *, finishes: bool) -> Estimate:
         """Compute some units of each kind, evenly spread, and take them for the rest."""
         seconds = size = 0.0
-        for _, members in groupby(self.units, self.job.kind):
-            first, *rest = members
-            self._known[first] = self.job.compute(first)  # compiles
+        kinds: dict[Hashable, list[Unit]] = {}
+        for unit in self.units:
+            kinds.setdefault(self.job.kind(unit), []).append(unit)
+        for first, *rest in kinds.values():
+            self._known[first] = self._pool.submit(self.job.compute, first).result()  # compiles
             sampled = [rest[number] for number in sample(len(rest))]
             # the median: one of them may compile what is for points in doubt
             timed = [*self._pool.map(self._timed, sampled)]

@@ -8,6 +8,7 @@ from standfast.parameters import STIFFNESSES
 from standfast.population.cohort.persons import CohortModel
 from standfast.population.people.records import SEXES, People
 from standfast.population.people.sampling import Sampler
+from standfast.population.people.sobol import aligned
 from standfast.population.people.study import PopulationStudy
 
 # Age classes of people of a file, as NHANES groups adults.
@@ -66,7 +67,7 @@ class Cohort:
         columns += [
             self.people.stiffness[name] for name in self.names if name.endswith("_stiffness")
         ]
-        numbers = np.empty((len(self.names), variates.shape[1]))
+        numbers = aligned(len(self.names), variates.shape[1])
         numbers[: len(variates) - 1] = variates[1:]
         for place, column in zip(numbers[len(variates) - 1 :], columns, strict=True):
             np.take(column, row, out=place)

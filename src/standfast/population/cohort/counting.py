@@ -39,11 +39,11 @@ KEPT = (
 )
 
 
-class Blocks(NamedTuple):
-    """Some blocks of persons: their replicate and their numbers there."""
+class Block(NamedTuple):
+    """A block of persons: its replicate and its number there."""
 
     replicate: int
-    numbers: range
+    number: int
 
 
 class Counts(NamedTuple):
@@ -58,27 +58,16 @@ def histogram_shapes(cohort: Cohort) -> tuple[int, int]:
     return len(cohort.strata), cohort.rows
 
 
-def is_detailed(study: PopulationStudy, block: int) -> bool:
+def is_detailed(study: PopulationStudy, block: Block) -> bool:
     """Return whether distributions are kept of a block's persons."""
-    return block * study.block_size * study.replicates < DETAILED
+    return block.number * study.block_size * study.replicates < DETAILED
 
 
-def count_blocks(study: PopulationStudy, cohort: Cohort, blocks: Blocks) -> Counts:
-    """Sample and count the persons of some blocks, one after the other."""
-    histograms: dict[str, np.ndarray] = {}
-    kept = []
-    for number in blocks.numbers:
-        counts, persons = _count_block(study, cohort, blocks.replicate, number)
-        kept.append(persons)
-        for name, count in counts.items():
-            histograms[name] = histograms[name] + count if name in histograms else count
-    return Counts(histograms, b"".join(kept))
-
-
-def _count_block(study: PopulationStudy, cohort: Cohort, replicate: int, block: int) -> Counts:
-    variates = cohort.sampler.variates(replicate, block, study.block_size)
+def count_block(study: PopulationStudy, cohort: Cohort, block: Block) -> Counts:
+    """Sample and count the persons of one block."""
+    variates = cohort.sampler.variates(block.replicate, block.number, study.block_size)
     numbers = cohort.numbers(variates)
-    size = study.block_persons(block)
+    size = study.block_persons(block.number)
     detailed = is_detailed(study, block)
     judge = bins_of if detailed else class_of
     found = map_over_batch(judge, cohort.model, cohort.names)(numbers)

@@ -13,7 +13,7 @@ from scipy.special import ndtr, ndtri
 
 from standfast.parameters import JOINTS
 from standfast.population.people.distributions import UNCORRELATED, Coordinate, Correlation
-from standfast.population.people.sobol import sobol_block
+from standfast.population.people.sobol import aligned, sobol_block
 
 STREAM = 0  # of a seed; scrambling is another
 
@@ -50,7 +50,7 @@ class Sampler:
             return self.from_uniform(uniform)
         sequence = np.random.SeedSequence([self.seed, STREAM, block])
         random = np.random.Generator(np.random.SFC64(sequence))
-        variates = np.empty((len(self.coordinates), size))
+        variates = aligned(len(self.coordinates), size)
         for number, (row, coordinate) in enumerate(zip(variates, self.coordinates, strict=True)):
             if number in self.correlated:
                 random.standard_normal(out=row)

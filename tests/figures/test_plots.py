@@ -169,15 +169,27 @@ def test_curves_differ_without_colour(tmp_path, drawn):
     assert len(set(styles)) == len(styles)
 
 
-def test_regions_and_maps_read_in_grey():
-    import matplotlib as mpl  # noqa: PLC0415
+def rising(colours):
+    return bool((np.diff([grey(colour) for colour in colours]) > 0.0).all())
 
-    shades = [grey(color) for color in ("0.92", "#56B4E9", "#E69F00")]
-    assert shades[0] - max(shades[1:]) > 0.2  # the strategies differ by their hatching
-    map_shades = np.array(
-        [grey(color) for color in mpl.colormaps["cividis"](np.linspace(0, 1, 50))]
-    )
-    assert (np.diff(map_shades) > 0.0).all()
+
+def test_regions_and_maps_read_in_grey():
+    """Colours as they are drawn: regions apart by shade or hatching, maps from dark to light."""
+    ankle, hip = np.linspace(0.0, 2.0, 5), np.linspace(0.0, 1.0, 4)
+    ratio = np.tile(np.linspace(0.2, 2.0, 5), (4, 1))
+    stable = np.tile(np.arange(4)[:, None] > 1, (1, 5))
+    with figures.paper_figure(panels=(1, 2)) as (_, (left, right)):
+        figures.strategy_regions(left, ankle, hip, ratio, stable)
+        (drawn,) = left.collections
+        falls, *strategies = (grey(colour[:3]) for colour in drawn.get_facecolor())
+        assert falls - max(strategies) > 0.2
+        hatches = drawn.hatches[1:]
+        assert len(set(hatches)) == len(hatches) == len(strategies)
+        mesh = figures.quantity_map(right, ankle, hip, ratio, limits=(0.2, 2.0))
+        shades = np.linspace(0.2, 2.0, 50)
+        assert rising(mesh.to_rgba(shades)[:, :3])
+        mesh.set_cmap("jet")  # it can fail
+        assert not rising(mesh.to_rgba(shades)[:, :3])
 
 
 def test_where_everyone_stands_no_one_is_drawn_as_falling(tmp_path, monkeypatch):

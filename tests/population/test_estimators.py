@@ -5,8 +5,7 @@ import pytest
 from scipy import stats
 
 from standfast.population.cohort.histograms import VALUE_BINS, bin_edges, bin_of
-from standfast.population.people.sampling import REPLICATES
-from standfast.population.people.sobol import sobol_block
+from standfast.population.people.sobol import REPLICATES, sobol_block
 from standfast.population.summary.estimators import (
     Distribution,
     NoVarianceError,

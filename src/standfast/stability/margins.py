@@ -16,7 +16,7 @@ from standfast.mechanics import (
     stiffness_rows,
 )
 from standfast.numerics import eigenvectors
-from standfast.numerics.arrays import ROUNDOFF, Matrix, Scalar, Vector, namespace
+from standfast.numerics.arrays import ROUNDOFF, Matrix, Scalar, namespace
 from standfast.numerics.cubic import largest_root
 from standfast.numerics.pairs import add, difference_of_products, multiply, negate
 from standfast.numerics.vectors import dot
@@ -86,57 +86,39 @@ def safety_factor(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_G
     """Return the factor by which all stiffnesses could be divided and the person just stand.
 
     The smallest s of diag(K) v = s G v, with G the gravity part of C. So x = 1/s is the largest
-    root of the polynomial of :func:`safety_polynomial`, found as a multiple of the trace. Above 1
-    exactly where the verdict is stable; 0 with a free joint; infinite with three rigid joints.
+    root of x³ − t x² + m x − d, with t, m, d the trace, the sum of the principal minors and the
+    determinant of K⁻¹ G: sums and products of positive numbers. All entries of K⁻¹ G are positive,
+    so the root is simple; it is found as a multiple of the trace. Above 1 exactly where the verdict
+    is stable; 0 with a free joint; infinite with three rigid joints.
 
     Raises
     ------
     InputError
         if gravity is out of range.
     """
-    checked_person(body, stiffness, gravity)
-    trace, minors, determinant = safety_polynomial(body, stiffness, gravity)
-    share = largest_root(1.0, minors / trace**2, determinant / trace**3, steps=2)
-    return settled_safety_factor(body, stiffness, gravity, 1.0 / (trace * share))
-
-
-ALMOST_FREE = 1e-60  # N·m/rad; a joint as good as free would overflow the determinant
-
-
-def safety_polynomial(body: Body, stiffness: Stiffness, gravity: Scalar) -> Vector:
-    """Return t, m, d of x³ − t x² + m x − d, whose roots are the eigenvalues of K⁻¹ G.
-
-    Trace, sum of the principal minors and determinant: sums and products of positive numbers. All
-    entries of K⁻¹ G are positive, so the largest root is simple.
-    """
-    xp = namespace(*body, *stiffness, gravity)
+    xp = checked_person(body, stiffness, gravity)
     shank, thigh, upper = gravity_loads(body, gravity)
     below = thigh + upper
+    # a joint as good as free would overflow the determinant
     ankle, knee, hip = (1.0 / xp.maximum(xp.asarray(k), ALMOST_FREE) for k in stiffness)
     trace = (shank + below) * ankle + below * knee + upper * hip
     minors = ankle * (shank * below * knee + (shank + thigh) * upper * hip)
     minors = minors + thigh * upper * knee * hip
     determinant = shank * thigh * upper * ankle * knee * hip
-    return trace, minors, determinant
-
-
-def settled_safety_factor(
-    body: Body, stiffness: Stiffness, gravity: Scalar, factor: Scalar
-) -> Scalar:
-    """Return a safety factor with its limits: free and rigid joints, and 1, where verdicts change.
-
-    Within rounding of 1 the verdict decides.
-    """
-    xp = namespace(*body, *stiffness, gravity)
-    factor = unless_all_rigid(stiffness, factor)
+    share = largest_root(1.0, minors / trace**2, determinant / trace**3, steps=2)
+    factor = unless_all_rigid(stiffness, 1.0 / (trace * share))
     free = (stiffness.ankle == 0.0) | (stiffness.knee == 0.0) | (stiffness.hip == 0.0)
     factor = xp.where(free, 0.0, factor)
+    # within rounding of 1 the verdict decides
     just_above = 1.0 + 2.0 * ROUNDOFF
     return xp.where(
         verdict(body, stiffness, gravity),
         xp.maximum(factor, just_above),
         xp.minimum(factor, 1.0),
     )[()]
+
+
+ALMOST_FREE = 1e-60  # N·m/rad
 
 
 def signed_by(stable: Scalar, value: Scalar) -> Scalar:

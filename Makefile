@@ -3,7 +3,7 @@
 #   make population a Monte Carlo of US adults into results/us-adults/
 #   make test       set up, then run the tests
 #   make check      format, lint, types, tests
-#   make bench      every benchmark, and results/benchmarks/README.md (about eight minutes)
+#   make bench      every benchmark, and results/benchmarks/README.md (about ten minutes)
 #   make reproduce  the 2007 paper, number by number
 PYTHON ?= python3
 VENV := .venv

@@ -1,5 +1,7 @@
 """The same functions inside JAX: mapped over any argument, differentiated, in double precision."""
 
+from functools import lru_cache, partial
+
 import jax
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ import scipy.linalg
 import standfast as sf
 from people import batch, person_of, random_body, random_gravity, random_stiffness
 from standfast import stability
+from standfast.parameters import JOINTS
 
 
 def test_traced_and_plain_calls_agree():
@@ -105,72 +108,159 @@ def test_people_can_be_scaled_inside_a_trace():
     )
 
 
-# Central differences of functions whose digits are known to some 1e-13, in steps of 1e-5.
+# Central differences of functions whose digits are known to some 1e-13, in steps of 1e-5; where a
+# joint is free the difference is one-sided, of second order too.
 GRADIENT_RTOL = 1e-6
+STEP = 1e-5
 MARGINS = {
     "safety_factor": sf.safety_factor,
     "stiffness_reserve": sf.stiffness_reserve,
     "stability_determinant": sf.stability_determinant,
     "eigenvalue_1": lambda *person: sf.modes(*person).eigenvalues[0],
+    "eigenvalue_2": lambda *person: sf.modes(*person).eigenvalues[1],
     "eigenvalue_3": lambda *person: sf.modes(*person).eigenvalues[2],
     "frequency": lambda *person: sf.frequency(sf.modes(*person).eigenvalues[0]),
+    "growth_rate": lambda *person: sf.growth_rate(sf.modes(*person).eigenvalues[0]),
     "hip_ankle_ratio": lambda *person: sf.modes(*person).shapes[2, 0],
+    "knee_ankle_ratio": lambda *person: sf.modes(*person).shapes[1, 0],
     "critical_ankle_stiffness": lambda *person: sf.critical_stiffness(*person).ankle,
+    "critical_knee_stiffness": lambda *person: sf.critical_stiffness(*person).knee,
     "critical_hip_stiffness": lambda *person: sf.critical_stiffness(*person).hip,
 }
-POINTS = [(1100.0, 2000.0, 500.0), (700.0, 1500.0, 300.0), (900.0, 650.0, 260.0)]
+PERSONS = {
+    "stands": (1100.0, 2000.0, 500.0),
+    "falls by the ankle": (700.0, 1500.0, 300.0),
+    "falls by the knee": (900.0, 650.0, 260.0),
+    "rigid ankle": (np.inf, 2000.0, 500.0),
+    "rigid knee": (1100.0, np.inf, 500.0),
+    "rigid hip": (1100.0, 2000.0, np.inf),
+    "rigid ankle and knee": (np.inf, np.inf, 500.0),
+    "free ankle": (0.0, 2000.0, 500.0),
+    "free knee": (1100.0, 0.0, 500.0),
+    "free hip": (1100.0, 2000.0, 0.0),
+}
+# Slopes that are NaN beside a value that has one, or 0 where it is not: faults, to be mended.
+FAULTS = {
+    ("critical_ankle_stiffness", "transmitted_load: the branch not taken"): (
+        "free knee", "free hip",
+    ),
+    ("critical_knee_stiffness", "transmitted_load: the branch not taken"): ("free hip",),
+    ("critical_hip_stiffness", "bearable: 1/0 of a free joint, or of two rigid ones"): (
+        "free knee", "rigid ankle and knee",
+    ),
+    ("safety_factor", "the 0 put in beside a free joint has no slope"): (
+        "free ankle", "free knee", "free hip",
+    ),
+}  # fmt: skip
+WHY = {(name, person): why for (name, why), persons in FAULTS.items() for person in persons}
 
 
-@pytest.mark.parametrize("name", MARGINS)
-@pytest.mark.parametrize("point", POINTS)
-def test_derivatives_are_those_of_differences(name, point):
-    """With respect to the three stiffnesses, height and mass."""
+def value_at(name, x):
+    """A margin at three stiffnesses, height and mass."""
+    body = sf.Body.from_height_mass(x[3], x[4], "winter")
+    return MARGINS[name](body, sf.Stiffness(x[0], x[1], x[2]), 9.81)
 
-    def value(x):
-        body = sf.Body.from_height_mass(x[3], x[4], "winter")
-        return MARGINS[name](body, sf.Stiffness(x[0], x[1], x[2]), 9.81)
 
-    at = np.array([*point, 1.7, 70.0])
-    if not np.isfinite(value(at)):
-        pytest.skip("no threshold there")
-    slopes = np.asarray(jax.grad(value)(jax.numpy.asarray(at)))
+PLACES = {name: np.array([*springs, 1.7, 70.0]) for name, springs in PERSONS.items()}
+
+
+@lru_cache
+def slopes_of(name):
+    """By person; of all at once, and not compiled, which would take longer than it saves."""
+    slopes = jax.vmap(jax.grad(partial(value_at, name)))(np.stack(list(PLACES.values())))
+    return dict(zip(PLACES, np.asarray(slopes), strict=True))
+
+
+def difference(name, at, i):
+    """The slope along one number, from values of plain calls."""
+
+    def beside(steps):
+        return value_at(name, at + steps * step)
+
+    step = np.zeros(at.size)
+    step[i] = STEP * (at[i] or 1000.0)
+    if at[i] == 0.0:
+        return (4.0 * beside(1) - beside(2) - 3.0 * beside(0)) / (2.0 * step[i])
+    return (beside(1) - beside(-1)) / (2.0 * step[i])
+
+
+@pytest.mark.parametrize(("name", "person"), [
+    pytest.param(name, person, marks=pytest.mark.xfail(reason=WHY[name, person]))
+    if (name, person) in WHY else (name, person)
+    for name in MARGINS for person in PERSONS
+])  # fmt: skip
+def test_derivatives_are_those_of_differences(name, person):
+    """Along three stiffnesses, height and mass; 0 along a rigid joint, numbers beside infinity."""
+    at, slopes = PLACES[person], slopes_of(name)[person]
+    here = value_at(name, at)
     assert np.isfinite(slopes).all()
     for i, slope in enumerate(slopes):
-        step = np.zeros(5)
-        step[i] = 1e-5 * at[i]
-        rise = (value(at + step) - value(at - step)) / (2.0 * step[i])
-        assert slope == pytest.approx(rise, rel=GRADIENT_RTOL, abs=1e-9 * abs(value(at)) / at[i])
+        if np.isinf(at[i]):
+            assert slope == 0.0
+        elif np.isfinite(here):
+            least = 1e-9 * abs(here) / (at[i] or 1000.0)
+            assert slope == pytest.approx(difference(name, at, i), rel=GRADIENT_RTOL, abs=least)
 
 
-@pytest.mark.parametrize("point", POINTS)
-def test_derivatives_of_eigenvalues_are_squares_of_their_vectors(point):
-    """dλ/dK = v² / vᵀ B v, with B = 1 for the reserve and A for a mode; closed form by LAPACK."""
+CLOSED_RTOL = 1e-8
+SPRINGS = ["stands", "falls by the ankle", "falls by the knee"]
+
+
+def closed_forms(springs, height, mass):
+    """Slopes along stiffnesses, height and mass of what solves M v = μ B v: vᵀ(M' − μ B')v/vᵀBv.
+
+    With the C, A and gravity part G of the package and vectors of LAPACK. Loads grow with height
+    and mass, inertia with height² and mass.
+    """
+    body = sf.Body.from_height_mass(height, mass, "winter")
+    c, a = sf.stiffness_matrix(body, sf.Stiffness(*springs), 9.81), sf.inertia_matrix(body)
+    k = np.diag(springs)
+    g, one, none = k - c, np.eye(3), np.zeros((3, 3))
+    # matrix, metric, and their slopes along height and mass
+    problems = {
+        "stiffness_reserve": (c, one, (-g / height, none), (-g / mass, none)),
+        "eigenvalue_1": (c, a, (-g / height, 2.0 * a / height), (-g / mass, a / mass)),
+        "safety_factor": (k, g, (none, g / height), (none, g / mass)),
+    }
+    found = {}
+    for name, (matrix, metric, *bodily) in problems.items():
+        values, vectors = scipy.linalg.eigh(matrix, metric)
+        v, value = vectors[:, 0], values[0]
+        slopes = [*v**2, *(v @ (m - value * b) @ v for m, b in bodily)]
+        found[name] = np.array(slopes) / (v @ metric @ v)
+    return found
+
+
+@pytest.mark.parametrize("name", ["stiffness_reserve", "eigenvalue_1", "safety_factor"])
+@pytest.mark.parametrize("person", SPRINGS)
+def test_derivatives_of_eigenvalues_are_those_of_their_vectors(name, person):
+    closed = closed_forms(PERSONS[person], 1.7, 70.0)[name]
+    slopes = slopes_of(name)[person]
+    assert slopes == pytest.approx(closed, rel=CLOSED_RTOL)
+    for i in range(5):  # it can fail
+        wrong = closed.copy()
+        wrong[i] *= 1.0 + 1e-6
+        assert slopes != pytest.approx(wrong, rel=CLOSED_RTOL)
+
+
+@pytest.mark.parametrize("person", SPRINGS)
+def test_derivatives_of_determinant_and_thresholds_in_closed_form(person):
+    """The determinant's are its cofactors; at a threshold C v = 0 and v² weighs the joints."""
+    at = PLACES[person]
     body = sf.Body.from_height_mass(1.7, 70.0, "winter")
-
-    def slopes(function):
-        return np.asarray(
-            jax.grad(lambda k: function(body, sf.Stiffness(*k), 9.81))(jax.numpy.asarray(point))
-        )
-
-    c = sf.stiffness_matrix(body, sf.Stiffness(*point), 9.81)
-    a = sf.inertia_matrix(body)
-    for function, metric in ((sf.stiffness_reserve, np.eye(3)), (MARGINS["eigenvalue_1"], a)):
-        _, vectors = scipy.linalg.eigh(c, metric)
-        squares = vectors[:, 0] ** 2 / (vectors[:, 0] @ metric @ vectors[:, 0])
-        assert slopes(function) == pytest.approx(squares, rel=1e-8)
-        assert slopes(function) != pytest.approx(squares * (1.0 + 1e-6), rel=1e-8)
-
-
-@pytest.mark.parametrize("name", ["safety_factor", "stiffness_reserve", "eigenvalue_1"])
-def test_derivatives_beside_a_rigid_joint_are_numbers(name):
-    def value(k):
-        person = (sf.Body.edwards2007(), sf.Stiffness(k[0], np.inf, k[1]), 9.81)
-        return MARGINS[name](*person)
-
-    at = np.array([1100.0, 500.0])
-    slopes = np.asarray(jax.grad(value)(jax.numpy.asarray(at)))
-    for i, slope in enumerate(slopes):
-        step = np.zeros(2)
-        step[i] = 1e-5 * at[i]
-        rise = (value(at + step) - value(at - step)) / (2.0 * step[i])
-        assert slope == pytest.approx(rise, rel=GRADIENT_RTOL)
+    c = sf.stiffness_matrix(body, sf.Stiffness(*PERSONS[person]), 9.81)
+    cofactors = np.linalg.det(c) * np.diagonal(np.linalg.inv(c))
+    found = slopes_of("stability_determinant")[person][:3]
+    assert found == pytest.approx(cofactors, rel=CLOSED_RTOL)
+    for joint, name in enumerate(JOINTS):
+        limit = value_at(f"critical_{name}_stiffness", at)
+        slopes = slopes_of(f"critical_{name}_stiffness")[person][:3]
+        if np.isinf(limit):
+            continue
+        just = c.copy()
+        just[joint, joint] += limit - at[joint]
+        _, vectors = np.linalg.eigh(just)
+        v = vectors[:, 0]
+        wanted = -((v / v[joint]) ** 2)
+        wanted[joint] = 0.0  # its own stiffness does not enter
+        assert slopes == pytest.approx(wanted, rel=CLOSED_RTOL)

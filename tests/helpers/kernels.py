@@ -7,8 +7,8 @@ import jax
 import numpy as np
 
 import standfast as sf
+from populations import GOOD, of
 from standfast.engine.mapping import compiled
-from standfast.population import PopulationStudy
 from standfast.population.cohort.cohort import cohort_of
 from standfast.population.cohort.histograms import bins_of, class_of
 from standfast.stability import threshold_interval
@@ -17,14 +17,6 @@ from standfast.stability.fast import fast_eigenvalues
 POINTS = 4096
 SLOW = ("custom-call", "while(", "scatter(", "gather(", "sort(")
 BODY = sf.Body.edwards2007()
-PEOPLE = {
-    "population": {"builtin": "nhanes-2017-2018", "size": POINTS},
-    "stiffness": {
-        "ankle": {"distribution": "normal", "relative_to": "mgh", "mean": 1.8, "sd": 0.3},
-        "knee": {"distribution": "lognormal", "relative_to": "mgh", "mean": 2.0, "sd": 0.5},
-        "hip": {"distribution": "uniform", "low": 200.0, "high": 900.0},
-    },
-}
 
 
 def program(function: Callable[..., Any], *arguments: Any) -> Any:
@@ -43,7 +35,7 @@ def of_stiffness(function: Callable[..., Any]) -> tuple[Callable[..., Any], Call
 
 
 def of_person(function: Callable[..., Any]) -> tuple[Callable[..., Any], Callable[[], Any]]:
-    cohort = cohort_of(PopulationStudy.from_dict(PEOPLE), None)
+    cohort = cohort_of(of(GOOD, size=POINTS), None)
 
     def variates() -> tuple[np.ndarray]:
         return (np.ascontiguousarray(cohort.sampler.variates(0, 0, POINTS).T),)
@@ -53,14 +45,15 @@ def of_person(function: Callable[..., Any]) -> tuple[Callable[..., Any], Callabl
     ), variates
 
 
-def _lowest_or_nan(*person: Any) -> Any:
+def lowest_or_nan(*person: Any) -> Any:
+    """The lowest eigenvalue by the fast way, NaN where it is uncertain."""
     found, uncertain = fast_eigenvalues(*person)
     return jax.numpy.where(uncertain, jax.numpy.nan, found.eigenvalues[0])
 
 
 # By name: a function of one point, and what gives its arguments.
 KERNELS = {
-    "fast eigenvalue": of_stiffness(_lowest_or_nan),
+    "fast eigenvalue": of_stiffness(lowest_or_nan),
     "safety factor": of_stiffness(sf.safety_factor),
     "threshold and its ends": of_stiffness(
         lambda body, joints, gravity: threshold_interval(body, joints.knee, joints.hip, gravity)

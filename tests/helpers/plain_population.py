@@ -6,6 +6,8 @@ verdict from the leading minors of C.
 
 import numpy as np
 
+from minors import stands_by_minors
+
 # Winter: masses of both legs' segments of body mass, lengths and centres of mass of stature.
 MASS = np.array([0.093, 0.200, 0.678])
 LENGTH = np.array([0.246, 0.245])
@@ -29,13 +31,7 @@ def falls(height, mass, gravity, ankle, knee, hip):
     matrix[:, 0, 1] = matrix[:, 1, 0] = -g2
     matrix[:, 0, 2] = matrix[:, 2, 0] = -g3
     matrix[:, 1, 2] = matrix[:, 2, 1] = -g3
-    # a rigid joint is taken out: its row and column are those of the identity
-    for joint, stiffness in enumerate((ankle, knee, hip)):
-        rigid = np.isinf(np.broadcast_to(stiffness, height.shape))
-        matrix[rigid, joint, :] = matrix[rigid, :, joint] = 0.0
-        matrix[rigid, joint, joint] = 1.0
-    minors = (np.linalg.det(matrix[:, :n, :n]) for n in (1, 2, 3))
-    return ~np.logical_and.reduce([minor > 0.0 for minor in minors])
+    return ~stands_by_minors(matrix)
 
 
 def drawn_group(random, size, mean, sd, shift, log_mean, log_sd, correlation):

@@ -96,7 +96,9 @@ def frequency(eigenvalue: Scalar) -> Scalar:
 def growth_rate(eigenvalue: Scalar) -> Scalar:
     """Return the growth rate of the fall √(−λ) in 1/s, 0 where λ ≥ 0."""
     xp = namespace(eigenvalue)
-    return xp.sqrt(xp.maximum(-eigenvalue, 0.0))
+    stands = eigenvalue >= 0.0
+    # the root of 0 has no slope, so none is drawn where the person stands
+    return xp.where(stands, 0.0, xp.sqrt(xp.where(stands, 1.0, -eigenvalue)))[()]
 
 
 def ratio_to_ankle(joint: str, stiffness: Stiffness, of: Modes) -> Scalar:

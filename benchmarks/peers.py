@@ -14,8 +14,8 @@ import scipy.linalg
 
 import standfast as sf
 from harness import Demand, Report, Row, in_turn
-from standfast.engine import Evaluator
-from standfast.study import Tile
+from standfast.engine.grid import Evaluator
+from standfast.study.grid import Tile
 
 SIDE = 192
 LOOPED = 2000

@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from harness import Demand, Report, Row, in_turn, ratio
-from standfast.population import PopulationStudy
 from standfast.population.cohort.cohort import Cohort, cohort_of
 from standfast.population.cohort.counting import Block, Counts, count_block, histogram_shapes
 from standfast.population.cohort.histograms import Histograms
+from standfast.population.people.study import PopulationStudy
 from standfast.study.toml import read_toml
 
 SIZE = 10**8

@@ -7,7 +7,7 @@ import json
 from typing import Any
 
 from harness import RESULTS, ROOT
-from standfast import figures
+from standfast.figures import style
 
 ORDER = ("verdicts", "storing", "peers", "population", "growth", "startup", "tricks", "cost")
 HEAD = """# Benchmarks
@@ -92,16 +92,16 @@ def _draw_peers(report: dict[str, Any]) -> None:
     rows = [row for row in report["rows"] if row["what"] in BESIDE]
     kinds = (("eigen", "three eigenvalues a point"), ("verdict", "verdicts"))
     groups = [[row for row in rows if _kind(row) == kind] for kind, _ in kinds]
-    with figures.paper_figure(height=2.6, panels=(2, 1)) as (figure, axes):
+    with style.paper_figure(height=2.6, panels=(2, 1)) as (figure, axes):
         for ax, (_, title), group in zip(axes, kinds, groups, strict=True):
             rates = [
                 row["work"] / sorted(row["seconds"])[len(row["seconds"]) // 2] for row in group
             ]
             names = [BESIDE[row["what"]] for row in group]
             ours = [name == "standfast" for name in names]
-            colors = [figures.BLUE if mine else "white" for mine in ours]
+            colors = [style.BLUE if mine else "white" for mine in ours]
             places = range(len(group))[::-1]
-            ax.barh(places, rates, color=colors, edgecolor=figures.BLUE, height=0.7)
+            ax.barh(places, rates, color=colors, edgecolor=style.BLUE, height=0.7)
             for place, rate in zip(places, rates, strict=True):
                 ax.text(rate * 1.3, place, _short(rate), va="center", fontsize=6.5)
             ax.set_yticks(places, names)
@@ -109,7 +109,7 @@ def _draw_peers(report: dict[str, Any]) -> None:
             ax.set_xlim(1e3, 2e11)
             ax.set_title(title, loc="left")
         axes[-1].set_xlabel("Points a second")
-        figures.save(figure, RESULTS / "peers", ("png",))
+        style.save(figure, RESULTS / "peers", ("png",))
 
 
 def _kind(row: dict[str, Any]) -> str:
@@ -126,10 +126,10 @@ def _short(rate: float) -> str:
 def _draw_growth(report: dict[str, Any]) -> None:
     """Draw the seconds of a whole command over the number of points."""
     rows = [row for row in report["rows"] if "verdicts" in row["what"]]
-    with figures.paper_figure(height=2.3) as (figure, (ax,)):
+    with style.paper_figure(height=2.3) as (figure, (ax,)):
         points = [row["work"] for row in rows]
         seconds = [sorted(row["seconds"])[len(row["seconds"]) // 2] for row in rows]
-        ax.plot(points, seconds, "o-", color=figures.BLUE, label="time")
+        ax.plot(points, seconds, "o-", color=style.BLUE, label="time")
         for x, y, row in zip(points, seconds, rows, strict=True):
             ax.annotate(
                 row["accuracy"],
@@ -145,7 +145,7 @@ def _draw_growth(report: dict[str, Any]) -> None:
         ax.set_xlabel("Verdicts computed and stored")
         ax.set_ylabel("Whole command (s)")
         ax.text(0.02, 0.04, "beside the points: peak memory", transform=ax.transAxes, fontsize=7)
-        figures.save(figure, RESULTS / "growth", ("png",))
+        style.save(figure, RESULTS / "growth", ("png",))
 
 
 if __name__ == "__main__":

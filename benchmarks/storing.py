@@ -15,8 +15,8 @@ import numpy as np
 import standfast as sf
 from harness import ROOT, Demand, Report, Row, in_turn, ratio
 from standfast.atlas.encoding import encoded
-from standfast.engine import Evaluator
-from standfast.study import Tile
+from standfast.engine.grid import Evaluator
+from standfast.study.grid import Tile
 
 ROUNDS = 3
 QUICK_ROUNDS = 7

@@ -21,9 +21,12 @@ from isal import isal_zlib
 import standfast as sf
 from harness import ROOT, Demand, Report, Row, in_turn, ratio
 from standfast.atlas.encoding import encoded, encoded_constant
-from standfast.engine import Evaluator, mapping
+from standfast.engine import mapping
+from standfast.engine.grid import Evaluator
 from standfast.quantities import QUANTITIES, Person
-from standfast.stability import fast, modes, safety_factor
+from standfast.stability import fast
+from standfast.stability.margins import safety_factor
+from standfast.stability.modes import modes
 
 ROUNDS = 7
 REPEATS = 4

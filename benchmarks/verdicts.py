@@ -11,9 +11,9 @@ import numpy as np
 
 import standfast as sf
 from harness import ROOT, Demand, Report, Row, in_turn
-from standfast.engine import Evaluator
+from standfast.engine.grid import Evaluator
 from standfast.quantities import QUANTITIES
-from standfast.study import Tile
+from standfast.study.grid import Tile
 
 THREADS = os.cpu_count() or 1
 ROUNDS = 7

@@ -63,7 +63,6 @@ LATE = {
     ("standfast.atlas.reader", "h5netcdf"),
     ("standfast.atlas.reader", "xarray"),
     ("standfast", "?"),
-    ("standfast.population", "?"),
 }
 
 

@@ -6,47 +6,34 @@ The model runs in NumPy float64 and answers at once; JAX and h5py are imported b
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from standfast.anthropometry import Body
+from standfast.anthropometry.body import Body
 from standfast.errors import InputError
-from standfast.mechanics import (
-    Stiffness,
-    inertia_matrix,
-    joint_moments,
-    kinetic_energy,
-    potential_energy,
-    stiffness_matrix,
-)
+from standfast.mechanics.joints import Stiffness
+from standfast.mechanics.matrices import inertia_matrix, stiffness_matrix
+from standfast.mechanics.motion import joint_moments, kinetic_energy, potential_energy
 from standfast.parameters import BODY_MODELS
-from standfast.stability import (
-    Modes,
-    critical_stiffness,
-    equal_rotation,
-    frequency,
-    growth_rate,
-    is_stable,
-    modes,
-    safety_factor,
-    stability_determinant,
-    stiffness_reserve,
-    verdict_is_certain,
-)
-from standfast.study import Study
+from standfast.stability.margins import safety_factor, stability_determinant, stiffness_reserve
+from standfast.stability.modes import Modes, frequency, growth_rate, modes
+from standfast.stability.rounding import verdict_is_certain
+from standfast.stability.springs import critical_stiffness, equal_rotation, is_stable
+from standfast.study.study import Study
 from standfast.version import __version__
 
 if TYPE_CHECKING:
-    from standfast.atlas import Atlas, open_atlas
     from standfast.atlas.memory import compute
+    from standfast.atlas.opening import open_atlas
+    from standfast.atlas.reader import Atlas
     from standfast.atlas.sweeping import sweep
-    from standfast.population import PopulationStudy
+    from standfast.population.people.study import PopulationStudy
     from standfast.population.simulation import simulate
 
 # Where the names lie that need h5py or JAX, imported when they are first asked for.
 LAZY = {
-    "Atlas": "standfast.atlas",
-    "open_atlas": "standfast.atlas",
+    "Atlas": "standfast.atlas.reader",
+    "open_atlas": "standfast.atlas.opening",
     "compute": "standfast.atlas.memory",
     "sweep": "standfast.atlas.sweeping",
-    "PopulationStudy": "standfast.population",
+    "PopulationStudy": "standfast.population.people.study",
     "simulate": "standfast.population.simulation",
 }
 

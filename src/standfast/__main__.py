@@ -1,5 +1,5 @@
 """Run the command line as ``python -m standfast``."""
 
-from standfast.cli import run
+from standfast.cli.app import run
 
 run()

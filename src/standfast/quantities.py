@@ -9,26 +9,21 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from standfast.anthropometry import Body, body_of
-from standfast.mechanics import Stiffness
+from standfast.anthropometry.body import Body, body_of
+from standfast.mechanics.joints import Stiffness
 from standfast.numerics.arrays import Scalar, Vector
 from standfast.parameters import PARAMETERS, STIFFNESS_UNIT, STIFFNESSES, label
-from standfast.stability import (
+from standfast.stability import fast
+from standfast.stability.exact import SCALING_ROUNDING, exact_threshold
+from standfast.stability.margins import safety_factor, stability_determinant, stiffness_reserve
+from standfast.stability.modes import frequency, growth_rate, modes, ratio_to_ankle
+from standfast.stability.rounding import threshold_interval
+from standfast.stability.springs import (
     critical_ankle_stiffness,
     critical_hip_stiffness,
     critical_knee_stiffness,
-    fast,
-    frequency,
-    growth_rate,
-    modes,
-    ratio_to_ankle,
-    safety_factor,
-    stability_determinant,
-    stiffness_reserve,
-    threshold_interval,
     verdict,
 )
-from standfast.stability.exact import SCALING_ROUNDING, exact_threshold
 
 
 class Person(NamedTuple):

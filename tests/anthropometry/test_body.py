@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import standfast as sf
-from standfast.anthropometry import BODY_SOURCES, REFERENCE_PEOPLE
 from standfast.anthropometry import tables as segments
+from standfast.anthropometry.body import BODY_SOURCES, REFERENCE_PEOPLE
 
 # De Leva's two rows of the trunk, to the cervicale and to the mid-shoulder, put its centre of mass
 # at heights that differ by 1e-5 of stature: no composition is better than that.

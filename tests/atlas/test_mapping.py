@@ -8,7 +8,7 @@ import pytest
 import standfast as sf
 from populations import GOOD as PEOPLE
 from populations import of
-from standfast.population import simulate
+from standfast.population.simulation import simulate
 from studies import UNEQUAL, changed
 
 

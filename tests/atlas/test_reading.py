@@ -15,7 +15,7 @@ import pytest
 import xarray
 
 import standfast as sf
-from standfast.engine import Evaluator
+from standfast.engine.grid import Evaluator
 from standfast.quantities import PARAMETERS, QUANTITIES
 from studies import GOOD, UNEQUAL, changed
 

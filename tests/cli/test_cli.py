@@ -13,7 +13,7 @@ import pytest
 
 import standfast
 import standfast.atlas.sweeping
-from standfast.cli import main
+from standfast.cli.app import main
 from standfast.study import grid
 
 

@@ -7,7 +7,7 @@ import math
 import pytest
 
 import standfast as sf
-from standfast.cli import main
+from standfast.cli.app import main
 
 STUDY = """
 title = "Army women under a stiff law"

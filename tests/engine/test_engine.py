@@ -8,9 +8,9 @@ import pytest
 import scipy.linalg
 
 import standfast as sf
-from standfast.engine import Evaluator
+from standfast.engine.grid import Evaluator
 from standfast.quantities import QUANTITIES
-from standfast.stability import load_rounding
+from standfast.stability.rounding import load_rounding
 from studies import UNEQUAL, changed
 
 # The grid and the plain functions round differently (XLA contracts a·b + c, and the body is scaled

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import standfast as sf
-from standfast.anthropometry import REFERENCE_PEOPLE
-from standfast.engine import Evaluator
+from standfast.anthropometry.body import REFERENCE_PEOPLE
+from standfast.engine.grid import Evaluator
 from standfast.engine.steps import between, count_below
 from standfast.stability.exact import exact_threshold
 

@@ -6,7 +6,7 @@ import pytest
 
 import standfast as sf
 from kernels import KERNELS, SLOW, program, stiffnesses
-from standfast.engine import Evaluator
+from standfast.engine.grid import Evaluator
 
 
 @pytest.mark.parametrize("name", KERNELS)

@@ -9,8 +9,8 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import standfast as sf
-from standfast import figures
 from standfast.edwards2007 import drawings
+from standfast.figures import population, standing, style
 from standfast.figures.atlas_figures import plot
 from studies import changed
 
@@ -26,14 +26,15 @@ AXES = {
 def drawn(monkeypatch):
     """Every figure that is saved, as it was saved."""
     seen = []
-    save = figures.save
+    save = style.save
 
     def keep(figure, stem, formats=("png",)):
         FigureCanvasAgg(figure).draw()
         seen.append(figure)
         return save(figure, stem, formats)
 
-    monkeypatch.setattr(figures, "save", keep)
+    monkeypatch.setattr(style, "save", keep)
+    monkeypatch.setattr(population, "save", keep)
     return seen
 
 
@@ -185,13 +186,13 @@ def test_regions_and_maps_read_in_grey():
     ankle, hip = np.linspace(0.0, 2.0, 5), np.linspace(0.0, 1.0, 4)
     ratio = np.tile(np.linspace(0.2, 2.0, 5), (4, 1))
     stable = np.tile(np.arange(4)[:, None] > 1, (1, 5))
-    with figures.paper_figure(panels=(1, 2)) as (_, (left, right)):
-        figures.strategy_regions(left, ankle, hip, ratio, stable)
+    with style.paper_figure(panels=(1, 2)) as (_, (left, right)):
+        standing.strategy_regions(left, ankle, hip, ratio, stable)
         (drawn,) = left.collections
         assert told_apart(drawn)
         drawn.set_facecolor(["0.92", "0.92", "0.5"])  # it can fail
         assert not told_apart(drawn)
-        mesh = figures.quantity_map(right, ankle, hip, ratio, limits=(0.2, 2.0))
+        mesh = standing.quantity_map(right, ankle, hip, ratio, limits=(0.2, 2.0))
         shades = np.linspace(0.2, 2.0, 50)
         assert rising(mesh.to_rgba(shades)[:, :3])
         mesh.set_cmap("jet")  # it can fail
@@ -200,9 +201,9 @@ def test_regions_and_maps_read_in_grey():
 
 def test_where_everyone_stands_no_one_is_drawn_as_falling(tmp_path, monkeypatch):
     seen = {}
-    regions = figures.strategy_regions
+    regions = standing.strategy_regions
     monkeypatch.setattr(
-        figures, "strategy_regions",
+        standing, "strategy_regions",
         lambda ax, ankle, hip, ratio, stable: seen.update(stable=stable) or regions(
             ax, ankle, hip, ratio, stable
         ),

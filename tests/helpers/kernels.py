@@ -11,8 +11,8 @@ from populations import GOOD, of
 from standfast.engine.mapping import compiled
 from standfast.population.cohort.cohort import cohort_of
 from standfast.population.cohort.histograms import bins_of, class_of
-from standfast.stability import threshold_interval
 from standfast.stability.fast import fast_eigenvalues
+from standfast.stability.rounding import threshold_interval
 
 POINTS = 4096
 SLOW = ("custom-call", "while(", "scatter(", "gather(", "sort(")

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from standfast.population import PopulationStudy
 from standfast.population.cohort.cohort import cohort_of
 from standfast.population.cohort.counting import Block, count_block, histogram_shapes
 from standfast.population.cohort.histograms import Histograms
+from standfast.population.people.study import PopulationStudy
 
 RIGID = {"distribution": "fixed", "value": math.inf}
 

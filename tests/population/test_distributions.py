@@ -7,9 +7,9 @@ import pytest
 from scipy import stats
 
 from populations import RIGID, changed, law, of
-from standfast.anthropometry import Body
-from standfast.engine import map_over_batch
-from standfast.mechanics import joint_gravity
+from standfast.anthropometry.body import Body
+from standfast.engine.mapping import map_over_batch
+from standfast.mechanics.matrices import joint_gravity
 from standfast.parameters import JOINTS
 from standfast.population.cohort.cohort import cohort_of
 from standfast.population.cohort.persons import outcome

@@ -13,10 +13,12 @@ import populations
 import standfast as sf
 from populations import GOOD, RIGID, changed, law, of
 from real_people import DATA, needs_people
-from standfast.engine import map_over_batch
-from standfast.population import PopulationStudy, open_population, simulate
+from standfast.engine.mapping import map_over_batch
 from standfast.population.cohort.cohort import WeightedRows, cohort_of
 from standfast.population.cohort.persons import margins
+from standfast.population.people.study import PopulationStudy
+from standfast.population.simulation import simulate
+from standfast.population.summary.file import open_population
 
 G = 9.81
 

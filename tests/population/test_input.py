@@ -8,7 +8,8 @@ import pytest
 import standfast as sf
 from populations import GOOD, changed, law
 from real_people import DATA, NHANES, needs_people
-from standfast.population import PopulationStudy, read_people
+from standfast.population.people.records import read_people
+from standfast.population.people.study import PopulationStudy
 
 WRONG = [
     ("population.size", 0, "population.size = 0 is not a whole number from 1 to 100000000000"),

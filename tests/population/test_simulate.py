@@ -9,12 +9,12 @@ from scipy.stats import norm
 import plain_population as plain
 from populations import GOOD, RIGID, changed, counted, events, law, of
 from real_people import DATA, needs_people
-from standfast.engine import map_over_batch
-from standfast.population import PopulationStudy
+from standfast.engine.mapping import map_over_batch
 from standfast.population.cohort.cohort import cohort_of
 from standfast.population.cohort.histograms import bin_edges
 from standfast.population.cohort.persons import outcome
 from standfast.population.people.builtin import ANSUR, NHANES
+from standfast.population.people.study import PopulationStudy
 from standfast.population.summary.estimators import Distribution, fraction
 
 G = 9.81

@@ -9,7 +9,7 @@ import pytest
 import standfast as sf
 from standfast.atlas import writer
 from standfast.run import folder as run_folder
-from standfast.run import parts_of
+from standfast.run.folder import parts_of
 
 
 @pytest.fixture

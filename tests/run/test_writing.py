@@ -17,7 +17,7 @@ import pytest
 import standfast as sf
 import studies
 from standfast.run import folder as run_folder
-from standfast.run import parts_of
+from standfast.run.folder import parts_of
 from standfast.run.shards import is_valid, shard_path
 from studies import GOOD, changed, several_shards
 

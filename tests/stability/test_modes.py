@@ -10,11 +10,11 @@ import scipy.optimize
 
 import standfast as sf
 from people import batch, person_of, random_body, random_gravity, random_stiffness
-from standfast.mechanics import second_variation
-from standfast.stability import stiffness_reserve as reserve
-from standfast.stability import verdict
+from standfast.mechanics.matrices import second_variation
 from standfast.stability.fast import fast_eigenvalues, fast_reserve
+from standfast.stability.margins import stiffness_reserve as reserve
 from standfast.stability.modes import modes
+from standfast.stability.springs import verdict
 
 DIGITS = 50
 # The promise; measured: 9e-16 at worst, over all kinds below.

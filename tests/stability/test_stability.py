@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import standfast as sf
 from minors import stands_by_minors
 from people import person_of, random_body, random_gravity, random_stiffness
-from standfast import stability
+from standfast.stability import rounding, springs
 
 CASES = 1_000_000
 PARTS = 8
@@ -43,7 +43,7 @@ def million(part: int):
 def evaluate(*leaves):
     body, stiffness, gravity = person_of(*leaves)
     return (
-        stability.verdict(body, stiffness, gravity),
+        springs.verdict(body, stiffness, gravity),
         sf.inertia_matrix(body),
         sf.stiffness_matrix(body, stiffness, gravity),
     )
@@ -211,8 +211,8 @@ def test_verdict_differs_from_exact_arithmetic_only_within_the_stated_bound(exac
 def test_the_rounding_bound_of_the_loads_is_honest_and_tight(exact_cases):
     largest = 0.0
     for body, stiffness, gravity, _ in exact_cases:
-        ours = stability.carried_loads(body, stiffness, gravity)
-        bounds = stability.load_rounding(body, stiffness, gravity)
+        ours = springs.carried_loads(body, stiffness, gravity)
+        bounds = rounding.load_rounding(body, stiffness, gravity)
         for load, bound, exact in zip(
             ours, bounds, exact_loads(body, stiffness, gravity), strict=True
         ):
@@ -229,7 +229,7 @@ def test_the_determinant_is_the_product_of_the_margins():
     rng = np.random.default_rng(11)
     for _ in range(300):
         body, stiffness, gravity = random_body(rng), random_stiffness(rng), random_gravity(rng)
-        loads = stability.carried_loads(body, stiffness, gravity)
+        loads = springs.carried_loads(body, stiffness, gravity)
         if not np.isfinite(loads).all():
             continue
         c = sf.stiffness_matrix(body, stiffness, gravity)

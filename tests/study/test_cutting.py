@@ -5,7 +5,8 @@ import math
 import pytest
 
 import standfast as sf
-from standfast.study import CHUNK_BYTES, chunk_shape, grid
+from standfast.study import grid
+from standfast.study.grid import CHUNK_BYTES, chunk_shape
 from studies import several_shards
 
 

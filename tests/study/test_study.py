@@ -10,7 +10,7 @@ import pytest
 
 import standfast as sf
 from standfast.quantities import QUANTITIES
-from standfast.study import axis_values
+from standfast.study.values import axis_values
 from studies import GOOD, UNEQUAL, changed
 
 NAN, INF = math.nan, math.inf

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import standfast as sf
-from standfast import thresholds
+from standfast.thresholds import contours, planes, tables
 from studies import GOOD, changed
 
 AXES = {
@@ -34,7 +34,7 @@ def on_the_limit(place, ankle, hip):
 
 
 def test_closed_form_points_lie_on_the_limit():
-    found = list(thresholds.exact_contours(study_of("stable")))
+    found = list(contours.exact_contours(study_of("stable")))
     assert len(found) == 2 * 3
     for contour in found:
         assert contour.ankle.size > 50
@@ -45,12 +45,12 @@ def test_closed_form_points_lie_on_the_limit():
 
 
 def test_places_follow_the_axes():
-    planes = list(thresholds.planes_of(study_of("stable")))
-    assert [(p.values["height"], p.knee) for p in planes[:4]] == [
+    every = list(planes.planes_of(study_of("stable")))
+    assert [(p.values["height"], p.knee) for p in every[:4]] == [
         (1.6, 800.0), (1.6, 2000.0), (1.6, math.inf), (1.8, 800.0),
     ]  # fmt: skip
     direct = sf.Body.from_height_mass(1.8, 23.0 * 1.8**2)
-    np.testing.assert_allclose(planes[3].body.segment_mass, direct.segment_mass, rtol=1e-15)
+    np.testing.assert_allclose(every[3].body.segment_mass, direct.segment_mass, rtol=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -65,8 +65,8 @@ def test_places_follow_the_axes():
 )
 def test_contours_of_an_atlas_lie_on_the_closed_form(tmp_path, quantity, steps):
     atlas = sf.sweep(study_of(quantity, "safety_factor"), tmp_path / "a.h5")
-    found = list(thresholds.extracted_contours(atlas))
-    assert thresholds.source_of(atlas)[0] == quantity
+    found = list(contours.extracted_contours(atlas))
+    assert contours.source_of(atlas)[0] == quantity
     assert len(found) == 6
     for contour in found:
         assert len(contour.lines) == 1
@@ -77,15 +77,15 @@ def test_contours_of_an_atlas_lie_on_the_closed_form(tmp_path, quantity, steps):
 
 def test_the_best_source_is_taken(tmp_path):
     atlas = sf.sweep(study_of("stable", "frequency", "stiffness_reserve"), tmp_path / "a.h5")
-    assert thresholds.source_of(atlas) == ("stiffness_reserve", 0.0)
+    assert contours.source_of(atlas) == ("stiffness_reserve", 0.0)
 
 
 def test_axes_in_another_order_give_the_same_contours(tmp_path):
     turned = changed("stiffness", dict(reversed(AXES.items())), GRID)
     one = sf.sweep(study_of("stable"), tmp_path / "one.h5")
     other = sf.sweep(sf.Study.from_dict(turned), tmp_path / "other.h5")
-    lines = {tuple(c.plane.values.items()): c.lines[0] for c in thresholds.extracted_contours(one)}
-    for contour in thresholds.extracted_contours(other):
+    lines = {tuple(c.plane.values.items()): c.lines[0] for c in contours.extracted_contours(one)}
+    for contour in contours.extracted_contours(other):
         same = lines[tuple((k, contour.plane.values[k]) for k in ("height", "knee_stiffness"))]
         assert {tuple(point) for point in contour.lines[0]} == {tuple(point) for point in same}
 
@@ -93,8 +93,8 @@ def test_axes_in_another_order_give_the_same_contours(tmp_path):
 def test_tables_hold_every_curve(tmp_path):
     study = study_of("stable")
     atlas = sf.sweep(study, tmp_path / "a.h5")
-    found = list(thresholds.extracted_contours(atlas))
-    table, store = thresholds.write_tables(study, found, tmp_path / "t")
+    found = list(contours.extracted_contours(atlas))
+    table, store = tables.write_tables(study, found, tmp_path / "t")
     rows = list(csv.DictReader(io.StringIO(table.read_text(encoding="utf-8"))))
     counts = [sum(row["source"] == source for row in rows) for source in ("closed form", "atlas")]
     assert counts[0] == sum(contour.ankle.size for contour in found)
@@ -117,20 +117,20 @@ def test_tables_hold_every_curve(tmp_path):
 
 def test_a_study_without_the_plane_gets_a_sentence():
     with pytest.raises(sf.InputError, match="hip_stiffness is no axis of this study"):
-        list(thresholds.exact_contours(sf.Study.from_dict(GOOD)))
+        list(contours.exact_contours(sf.Study.from_dict(GOOD)))
 
 
 def test_an_atlas_that_shows_no_limit_gets_a_sentence(tmp_path):
     # the determinant changes its sign also where a second mode begins to fall
     atlas = sf.sweep(study_of("safety_factor", "stability_determinant"), tmp_path / "a.h5")
     with pytest.raises(sf.InputError, match="holds no verdicts and no margin"):
-        list(thresholds.extracted_contours(atlas))
+        list(contours.extracted_contours(atlas))
 
 
 def test_a_person_who_stands_everywhere_has_no_limit(tmp_path):
     axes = {"ankle": [5000.0, 6000.0], "knee": math.inf, "hip": [5000.0, 6000.0, 7000.0]}
     atlas = sf.sweep(sf.Study.from_dict(changed("stiffness", axes)), tmp_path / "a.h5")
-    (contour,) = thresholds.extracted_contours(atlas)
+    (contour,) = contours.extracted_contours(atlas)
     assert contour.ankle.size == 0
     assert contour.lines == []
     assert math.isnan(contour.greatest)
@@ -141,7 +141,7 @@ def test_tables_of_one_atlas_do_not_touch_another(tmp_path):
     neighbour = tmp_path / "run.h5"
     neighbour.write_text("my other atlas")
     study = study_of("stable")
-    written = thresholds.write_tables(study, thresholds.exact_contours(study), tmp_path / "run.2-t")
+    written = tables.write_tables(study, contours.exact_contours(study), tmp_path / "run.2-t")
     assert [path.name for path in written] == ["run.2-t.csv", "run.2-t.h5"]
     assert neighbour.read_text() == "my other atlas"
 
@@ -150,9 +150,9 @@ def test_tables_of_one_atlas_do_not_touch_another(tmp_path):
 def test_an_axis_with_fewer_than_two_finite_values_gets_a_sentence(ankle):
     axes = {"ankle": ankle, "knee": 2000.0, "hip": [100.0, 200.0]}
     with pytest.raises(sf.InputError, match="ankle_stiffness has fewer than two finite values"):
-        list(thresholds.exact_contours(sf.Study.from_dict(changed("stiffness", axes))))
+        list(contours.exact_contours(sf.Study.from_dict(changed("stiffness", axes))))
 
 
 def test_only_the_planes_asked_for_are_computed():
-    planes = list(thresholds.planes_of(study_of("stable"), {"knee_stiffness": {2}, "height": {1}}))
-    assert [(place.values["height"], place.knee) for place in planes] == [(1.8, math.inf)]
+    every = list(planes.planes_of(study_of("stable"), {"knee_stiffness": {2}, "height": {1}}))
+    assert [(place.values["height"], place.knee) for place in every] == [(1.8, math.inf)]

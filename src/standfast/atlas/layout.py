@@ -13,7 +13,8 @@ import numpy as np
 
 from standfast.parameters import PARAMETERS
 from standfast.quantities import QUANTITIES
-from standfast.study import Group, Study
+from standfast.study.grid import Group
+from standfast.study.study import Study
 from standfast.version import __version__
 
 FORMAT = "standfast atlas"

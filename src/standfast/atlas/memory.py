@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from standfast.atlas.layout import file_attributes, parameter_attributes, quantity_attributes
-from standfast.engine import Evaluator
+from standfast.engine.grid import Evaluator
 from standfast.errors import InputError
-from standfast.study import Study, Tile
+from standfast.study.grid import Tile
+from standfast.study.study import Study
 
 if TYPE_CHECKING:
     import xarray

@@ -10,7 +10,8 @@ from standfast.atlas.layout import FORMAT, FORMAT_VERSION, get_text
 from standfast.atlas.reader import Atlas, opened
 from standfast.errors import InputError
 from standfast.quantities import QUANTITIES
-from standfast.study import Group, Study
+from standfast.study.grid import Group
+from standfast.study.study import Study
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 BUILT_IN_FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE}

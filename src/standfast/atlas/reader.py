@@ -18,7 +18,8 @@ from standfast.atlas.encoding import constant_in, decoded
 from standfast.atlas.indexing import box_of, within_box
 from standfast.errors import InputError, UnknownNameError, nearest_name
 from standfast.quantities import QUANTITIES, Quantity
-from standfast.study import Group, Study
+from standfast.study.grid import Group
+from standfast.study.study import Study
 
 PLANE_BYTES = 2**28
 

@@ -11,11 +11,12 @@ from standfast.atlas.encoding import encoded, encoded_constant
 from standfast.atlas.opening import open_atlas
 from standfast.atlas.reader import Atlas
 from standfast.atlas.writer import EncodedTile, read_chunks, write_atlas, write_chunks
-from standfast.engine import Evaluator
+from standfast.engine.grid import Evaluator
 from standfast.errors import InputError
-from standfast.run import Announce, Progress, RunOptions, checked_options, run_job
+from standfast.run.loop import Announce, Progress, RunOptions, checked_options, run_job
 from standfast.run.shards import HEADER_BYTES
-from standfast.study import Group, Study, Tile
+from standfast.study.grid import Group, Tile
+from standfast.study.study import Study
 
 # Tiles that a thread takes at once: most of verdicts are known sooner than a thread can be told.
 STEPS_TOGETHER = 8

@@ -14,7 +14,8 @@ from isal import isal_zlib
 
 from standfast.atlas.layout import LIBRARIES, write_layout
 from standfast.files import sync_file
-from standfast.study import Study, Tile
+from standfast.study.grid import Tile
+from standfast.study.study import Study
 
 SYNCED_BYTES = 2**24
 

@@ -2,7 +2,3 @@
 
 :mod:`.app` reads the words and runs a command; :mod:`.running` is what commands that compute share.
 """
-
-from standfast.cli.app import main, run
-
-__all__ = ["main", "run"]

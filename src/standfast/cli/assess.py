@@ -53,8 +53,8 @@ def add_assess(commands: Any) -> None:
 
 
 def _assess(options: argparse.Namespace) -> None:
-    from standfast.population import read_people
     from standfast.population.assess import assess, write_assessment
+    from standfast.population.people.records import read_people
 
     if options.body_model not in BODY_MODELS:
         raise InputError(

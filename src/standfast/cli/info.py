@@ -10,8 +10,8 @@ from standfast.files import in_bytes
 from standfast.parameters import PARAMETERS
 
 if TYPE_CHECKING:
-    from standfast.atlas import Atlas
-    from standfast.study import Study
+    from standfast.atlas.reader import Atlas
+    from standfast.study.study import Study
 
 
 def add_info(commands: Any) -> None:
@@ -30,7 +30,7 @@ def _info(options: argparse.Namespace) -> None:
     if is_population(path):
         _print_population(path, as_json=options.json)
     elif path.exists() or not _print_unfinished(path, as_json=options.json):
-        from standfast.atlas import open_atlas
+        from standfast.atlas.opening import open_atlas
 
         atlas = open_atlas(path)
         if options.json:
@@ -52,9 +52,9 @@ def _print_population(path: Path, *, as_json: bool) -> None:
 
 def _print_unfinished(path: Path, *, as_json: bool) -> bool:
     """Print what is known of a file that is being made; return whether one is."""
-    from standfast.population import PopulationStudy
-    from standfast.run import unfinished
-    from standfast.study import Study
+    from standfast.population.people.study import PopulationStudy
+    from standfast.run.folder import unfinished
+    from standfast.study.study import Study
 
     found: tuple[PopulationStudy | Study, int] | None
     found = unfinished(path, PopulationStudy) or unfinished(path, Study)
@@ -105,7 +105,7 @@ def _print_atlas(atlas: "Atlas") -> None:
 
 
 def _print_parameters(study: "Study") -> None:
-    from standfast.study import describe
+    from standfast.study.canonical import describe
 
     for name, value in study.parameters.items():
         row = PARAMETERS[name]

@@ -29,14 +29,14 @@ def _plot(options: argparse.Namespace) -> None:
 
     formats = options.format or ("png",)
     if is_population(options.atlas):
-        from standfast.figures.population_figures import draw
+        from standfast.figures.population import draw
         from standfast.population.summary.file import open_population
 
         stem = made_folder(options.output) / options.atlas.stem
         paths = draw(open_population(options.atlas), stem, formats)
         print(f"Written to {options.output}: {', '.join(path.name for path in paths)}")
         return
-    from standfast.atlas import open_atlas
+    from standfast.atlas.opening import open_atlas
     from standfast.figures.atlas_figures import plot
 
     atlas = open_atlas(options.atlas)

@@ -11,7 +11,7 @@ from standfast.cli.rejected import write_rejected
 from standfast.cli.running import add_run_options, output_of, run_shards
 
 if TYPE_CHECKING:
-    from standfast.population import PopulationStudy
+    from standfast.population.people.study import PopulationStudy
     from standfast.population.summary.file import Population
 
 
@@ -33,7 +33,7 @@ def add_population(commands: Any) -> None:
 
 
 def _population(options: argparse.Namespace) -> None:
-    from standfast.population import PopulationStudy
+    from standfast.population.people.study import PopulationStudy
 
     study = PopulationStudy.from_toml(options.study)
     found = run_shards(_compute, study, options, "persons", strict=options.strict)
@@ -42,7 +42,7 @@ def _population(options: argparse.Namespace) -> None:
     output = output_of(options)
     written = [output, *write_rejected(found.summary["people"].get("rejected", []), output)]
     if not options.no_figures:
-        from standfast.figures.population_figures import draw
+        from standfast.figures.population import draw
 
         written += draw(found, output.with_suffix(""), options.format or ("png",))
     if options.json:

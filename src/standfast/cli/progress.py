@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from standfast.files import in_bytes
-from standfast.run import Estimate
+from standfast.run.estimate import Estimate
 
 # A run that ends sooner needs neither an estimate nor a line.
 WORTH_A_LINE = 5.0  # s

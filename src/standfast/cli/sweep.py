@@ -9,8 +9,8 @@ from standfast.cli.running import add_run_options, output_of, run_shards
 from standfast.files import in_bytes
 
 if TYPE_CHECKING:
-    from standfast.atlas import Atlas
-    from standfast.study import Study
+    from standfast.atlas.reader import Atlas
+    from standfast.study.study import Study
 
 
 def add_sweep(commands: Any) -> None:
@@ -27,7 +27,7 @@ def add_sweep(commands: Any) -> None:
 
 
 def _sweep(options: argparse.Namespace) -> None:
-    from standfast.study import Study
+    from standfast.study.study import Study
 
     study = Study.from_toml(options.study)
     output = output_of(options)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from standfast.cli.parsing import add_command, add_folder_option, made_folder
 
 if TYPE_CHECKING:
-    from standfast.thresholds import Contour
+    from standfast.thresholds.contours import Contour
 
 MOST_LINES = 20
 
@@ -27,25 +27,25 @@ def add_thresholds(commands: Any) -> None:
 
 
 def _thresholds(options: argparse.Namespace) -> None:
-    from standfast import thresholds
+    from standfast.thresholds import contours, tables
 
     source: Path = options.source
     folder = made_folder(options.output)
     lines: list[str] = []
     if source.suffix == ".toml":
-        from standfast.study import Study
+        from standfast.study.study import Study
 
         study = Study.from_toml(source)
-        found = thresholds.exact_contours(study)
+        found = contours.exact_contours(study)
     else:
-        from standfast.atlas import open_atlas
+        from standfast.atlas.opening import open_atlas
 
         atlas = open_atlas(source)
         study = atlas.study
-        lines.append(f"contours of {thresholds.source_of(atlas)[0]}, plane by plane:")
-        found = _described(thresholds.extracted_contours(atlas), lines)
+        lines.append(f"contours of {contours.source_of(atlas)[0]}, plane by plane:")
+        found = _described(contours.extracted_contours(atlas), lines)
     # the files first: whoever reads what is printed may have seen enough after one line
-    written = thresholds.write_tables(study, found, folder / f"{source.stem}-thresholds")
+    written = tables.write_tables(study, found, folder / f"{source.stem}-thresholds")
     for line in lines:
         print(line)
     print(f"Written to {folder}: {', '.join(path.name for path in written)}")

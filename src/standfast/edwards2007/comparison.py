@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from standfast.anthropometry import Body
+from standfast.anthropometry.body import Body
 from standfast.edwards2007.published import INPUT_ROUNDING, PUBLISHED, PublishedNumber
 from standfast.files import whole_file
 

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from standfast import figures
-from standfast.anthropometry import Body
+from standfast.anthropometry.body import Body
 from standfast.edwards2007.published import (
     FIGURE_2_ANKLE,
     FIGURE_2_HIPS,
@@ -22,12 +21,14 @@ from standfast.edwards2007.published import (
     angular_frequency,
     figure_5,
 )
-from standfast.mechanics import Stiffness, segment_angles
-from standfast.stability import (
+from standfast.figures import standing, style
+from standfast.mechanics.joints import Stiffness
+from standfast.mechanics.motion import segment_angles
+from standfast.stability.modes import modes
+from standfast.stability.springs import (
     critical_ankle_stiffness,
     critical_hip_stiffness,
     equal_rotation,
-    modes,
 )
 
 # Where the drawn upper body ends: top of the head of a person of 1.753 m whose ankle is 0.039 of
@@ -47,9 +48,9 @@ def draw_all(folder: Path) -> list[Path]:
 
 def draw_figure_2(body: Body, folder: Path) -> list[Path]:
     """Root locus: the least stable pair of roots as the hip softens."""
-    with figures.paper_figure() as (figure, (ax,)):
-        figures.root_locus(ax, FIGURE_2_HIPS, least_stable_roots(body))
-        return figures.save(figure, folder / "figure2_root_locus")
+    with style.paper_figure() as (figure, (ax,)):
+        standing.root_locus(ax, FIGURE_2_HIPS, least_stable_roots(body))
+        return style.save(figure, folder / "figure2_root_locus")
 
 
 def least_stable_roots(body: Body) -> np.ndarray:
@@ -65,13 +66,13 @@ def draw_figure_3(body: Body, folder: Path) -> list[Path]:
     """Stability contours over ankle and hip, asymptotes, line of equal rotation."""
     low, high = FIGURE_3_LIMITS
     contours = {curve_name(knee): neutral_contour(body, knee, high) for knee in FIGURE_3_KNEES}
-    with figures.paper_figure(height=3.7) as (figure, (ax,)):
-        figures.stability_contours(ax, contours, ankle_limits=(low, high), hip_limits=(low, high))
+    with style.paper_figure(height=3.7) as (figure, (ax,)):
+        standing.stability_contours(ax, contours, ankle_limits=(low, high), hip_limits=(low, high))
         ax.set_aspect("equal")
         ankle_only = critical_ankle_stiffness(body, RIGID, RIGID, GRAVITY)
         hip_only = critical_hip_stiffness(body, RIGID, RIGID, GRAVITY)
-        ax.axvline(ankle_only, color=figures.GREY, linewidth=0.6)
-        ax.axhline(hip_only, color=figures.GREY, linewidth=0.6)
+        ax.axvline(ankle_only, color=style.GREY, linewidth=0.6)
+        ax.axhline(hip_only, color=style.GREY, linewidth=0.6)
         ax.text(
             ankle_only - 25,
             1980,
@@ -80,22 +81,22 @@ def draw_figure_3(body: Body, folder: Path) -> list[Path]:
             ha="right",
             va="top",
             fontsize=7,
-            color=figures.GREY,
+            color=style.GREY,
         )
-        ax.text(30, hip_only + 20, f"hip only: {hip_only:.1f}", fontsize=7, color=figures.GREY)
+        ax.text(30, hip_only + 20, f"hip only: {hip_only:.1f}", fontsize=7, color=style.GREY)
         ends = np.array([equal_rotation(body, knee, GRAVITY) for knee in (RIGID, 690.0)])
         ax.plot(
             *ends.T,
-            color=figures.VERMILION,
+            color=style.VERMILION,
             linestyle=(0, (3, 2)),
             label="equal rotation of ankle and hip (below: hip turns more)",
         )
-        figures.remark(ax, 360, 900, "falls", fontsize=8)
-        figures.remark(ax, 1870, 1400, "stands", fontsize=8)
+        style.remark(ax, 360, 900, "falls", fontsize=8)
+        style.remark(ax, 1870, 1400, "stands", fontsize=8)
         ax.plot(high, high, "s", color="black", clip_on=False, markersize=3.5)
-        figures.remark(ax, 1835, 1925, "$K_k$ = 600")
+        style.remark(ax, 1835, 1925, "$K_k$ = 600")
         figure.legend(loc="outside lower center", frameon=False)
-        return figures.save(figure, folder / "figure3_stability_contours")
+        return style.save(figure, folder / "figure3_stability_contours")
 
 
 def curve_name(knee: float) -> str:
@@ -120,13 +121,13 @@ def draw_figure_4(body: Body, folder: Path) -> list[Path]:
     """Sway patterns of the first two modes: extreme positions, the ankle turning by 10°."""
     result = modes(body, FIGURE_4, GRAVITY)
     lengths = (*body.segment_length, HEAD_ABOVE_ANKLE - float(np.sum(body.segment_length)))
-    with figures.paper_figure(height=3.0, panels=(1, 2)) as (figure, axes):
+    with style.paper_figure(height=3.0, panels=(1, 2)) as (figure, axes):
         for mode, (ax, letter) in enumerate(zip(axes, "ab", strict=True)):
             shape = result.shapes[:, mode]
             for sign, linestyle, label in ((1.0, "-", "one extreme"), (-1.0, "--", "the other")):
                 turns = sign * FIGURE_4_ANKLE_ROTATION * shape
                 points = points_of(lengths, segment_angles(tuple(turns)))
-                figures.stick_figure(ax, points, linestyle=linestyle, label=label)
+                standing.stick_figure(ax, points, linestyle=linestyle, label=label)
             hertz = angular_frequency(body, FIGURE_4, mode) / math.tau
             ax.set_title(f"({letter}) {hertz:.3g} Hz\nhip/ankle {shape[2]:.2f}".replace("-", "−"))
             ax.plot([-0.06, 0.18], [-0.07, -0.07], color="black", linewidth=2.5)
@@ -135,7 +136,7 @@ def draw_figure_4(body: Body, folder: Path) -> list[Path]:
         axes[1].set_ylabel("")
         handles, labels = axes[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
-        return figures.save(figure, folder / "figure4_sway_patterns")
+        return style.save(figure, folder / "figure4_sway_patterns")
 
 
 def draw_figure_5(body: Body, folder: Path) -> list[Path]:
@@ -145,9 +146,9 @@ def draw_figure_5(body: Body, folder: Path) -> list[Path]:
         f"{height:.3f} m": curve
         for height, curve in zip(FIGURE_5_HEIGHTS, figure_5(body, bmi), strict=True)
     }
-    with figures.paper_figure() as (figure, (ax,)):
-        figures.frequency_against_bmi(ax, bmi, curves)
-        return figures.save(figure, folder / "figure5_frequency_bmi")
+    with style.paper_figure() as (figure, (ax,)):
+        standing.frequency_against_bmi(ax, bmi, curves)
+        return style.save(figure, folder / "figure5_frequency_bmi")
 
 
 def points_of(lengths: Sequence[float], angles: Sequence[float]) -> np.ndarray:

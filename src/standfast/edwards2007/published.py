@@ -12,14 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from standfast.anthropometry import REFERENCE_PEOPLE, Body, body_of
-from standfast.mechanics import Stiffness, inertia_matrix
-from standfast.stability import (
+from standfast.anthropometry.body import REFERENCE_PEOPLE, Body, body_of
+from standfast.mechanics.joints import Stiffness
+from standfast.mechanics.matrices import inertia_matrix
+from standfast.stability.modes import frequency, modes
+from standfast.stability.springs import (
     critical_ankle_stiffness,
     critical_hip_stiffness,
     critical_knee_stiffness,
-    frequency,
-    modes,
 )
 
 GRAVITY = 9.8  # m/s²

@@ -7,7 +7,8 @@ from standfast.engine.mapping import Inputs
 from standfast.engine.memory import keep_freed_memory
 from standfast.engine.steps import Steps
 from standfast.engine.values import Values
-from standfast.study import Study, Tile
+from standfast.study.grid import Tile
+from standfast.study.study import Study
 
 
 class Evaluator:

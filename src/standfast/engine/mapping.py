@@ -7,10 +7,10 @@ from typing import Any
 import jax
 import numpy as np
 
-from standfast.anthropometry import REFERENCE_PEOPLE
+from standfast.anthropometry.body import REFERENCE_PEOPLE
 from standfast.numerics.arrays import Scalar
 from standfast.parameters import PARAMETERS
-from standfast.study import Study
+from standfast.study.study import Study
 
 OfOne = Callable[[dict[str, Any]], Any]
 

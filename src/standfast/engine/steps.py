@@ -20,7 +20,8 @@ import numpy as np
 from standfast.engine.mapping import Inputs, along_axis, in_whole_vectors, map_over_grid
 from standfast.numerics.arrays import Vector
 from standfast.quantities import QUANTITIES, Person, Step
-from standfast.study import Group, Study, Tile
+from standfast.study.grid import Group, Tile
+from standfast.study.study import Study
 
 # Places of steps that are kept between tiles, in bytes.
 KEPT = 2**26

@@ -22,7 +22,8 @@ from standfast.engine.mapping import (
 from standfast.numerics.arrays import Scalar
 from standfast.parameters import STIFFNESSES
 from standfast.quantities import QUANTITIES, Person, Quantity
-from standfast.study import Group, Study, Tile
+from standfast.study.grid import Group, Tile
+from standfast.study.study import Study
 
 # Points that are computed by the reference at once.
 POINTS = 4096

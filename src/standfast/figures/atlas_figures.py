@@ -12,22 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from standfast import figures
-from standfast.atlas import Atlas
+from standfast.atlas.reader import Atlas
 from standfast.errors import InputError
+from standfast.figures import standing, style
 from standfast.parameters import PARAMETERS
 from standfast.quantities import QUANTITIES
-from standfast.study import Study
-from standfast.thresholds import (
-    ANKLE,
-    HIP,
-    KNEE,
-    PLANE_AXES,
-    Contour,
-    critical_hips,
-    exact_contours,
-    has_plane,
-)
+from standfast.study.study import Study
+from standfast.thresholds.closed_form import critical_hips
+from standfast.thresholds.contours import Contour, exact_contours
+from standfast.thresholds.planes import ANKLE, HIP, KNEE, PLANE_AXES, has_plane
 
 # More small multiples than these are thinned out evenly: a page holds no more that can be read.
 MOST_PANELS = 9
@@ -98,12 +91,12 @@ def limits_of_standing(study: Study, stem: Path, formats: Sequence[str]) -> Draw
         )
     limits = {name: _limits(study.axes[name]) for name in PLANE_AXES}
     rows, columns = _layout(len(panels), chosen)
-    size = {"width": figures.COLUMN, "height": 3.0} if len(panels) == 1 else _page(rows)
-    with figures.paper_figure(panels=(rows, columns), shared=True, **size) as (figure, axes):
+    size = {"width": style.COLUMN, "height": 3.0} if len(panels) == 1 else _page(rows)
+    with style.paper_figure(panels=(rows, columns), shared=True, **size) as (figure, axes):
         for ax in axes[len(panels) :]:
             ax.set_axis_off()
         for ax, (title, curves) in zip(axes, panels.values(), strict=False):
-            figures.stability_contours(
+            standing.stability_contours(
                 ax,
                 curves,
                 ankle_limits=limits[ANKLE],
@@ -112,12 +105,12 @@ def limits_of_standing(study: Study, stem: Path, formats: Sequence[str]) -> Draw
             )
             ax.set_title(title)
             ax.label_outer()
-        figures.label_together(figure, axes[: len(panels)])
+        style.label_together(figure, axes[: len(panels)])
         if len(panels) > 1:
             handles, labels = axes[0].get_legend_handles_labels()
             figure.legend(handles, labels, loc="outside upper center", ncols=6, frameon=False)
         left_out = _left_out(study, {**chosen, **knees})
-        return Drawing(figures.save(figure, stem, formats), left_out)
+        return Drawing(style.save(figure, stem, formats), left_out)
 
 
 def _plane_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -> Drawing:
@@ -145,27 +138,27 @@ def _plane_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -
         planes.append((_title(study, contour, others), contour, over_hip[shown]))
     ankles, hips = ankles[np.isfinite(ankles)], hips[np.isfinite(hips)]
     rows, columns = _layout(len(planes), chosen)
-    size = {"width": figures.COLUMN, "height": 2.9} if len(planes) == 1 else _page(rows)
+    size = {"width": style.COLUMN, "height": 2.9} if len(planes) == 1 else _page(rows)
     limits = _colour_limits([values for _, _, values in planes])
-    with figures.paper_figure(panels=(rows, columns), shared=True, **size) as (figure, axes):
+    with style.paper_figure(panels=(rows, columns), shared=True, **size) as (figure, axes):
         mesh = None
         for ax in axes[len(planes) :]:
             ax.set_axis_off()
         for ax, (title, contour, values) in zip(axes, planes, strict=False):
             stable = _above(contour, ankles, hips) if crossed else None
             if name == "hip_ankle_ratio" and stable is not None:
-                figures.strategy_regions(ax, ankles, hips, values, stable)
+                standing.strategy_regions(ax, ankles, hips, values, stable)
             else:
-                mesh = figures.quantity_map(ax, ankles, hips, values, limits=limits, stable=stable)
+                mesh = standing.quantity_map(ax, ankles, hips, values, limits=limits, stable=stable)
                 ax.set_xlabel(PARAMETERS[ANKLE].label)
                 ax.set_ylabel(PARAMETERS[HIP].label)
             ax.set_title(title)
             ax.label_outer()
-        figures.label_together(figure, axes[: len(planes)])
+        style.label_together(figure, axes[: len(planes)])
         if mesh is not None:
             bar = figure.colorbar(mesh, ax=axes, shrink=0.8, extend="both")
             bar.set_label(QUANTITIES[name].label + (", hatched: falls" if crossed else ""))
-        return Drawing(figures.save(figure, stem, formats), _left_out(study, chosen))
+        return Drawing(style.save(figure, stem, formats), _left_out(study, chosen))
 
 
 def _curve_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -> Drawing:
@@ -188,8 +181,8 @@ def _curve_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -
         words = _words(study, second, study.axes[second][at]) if second else QUANTITIES[name].label
         curve = variable[index][finite].astype(float)
         curves[words] = np.where(np.isfinite(curve), curve, np.nan)
-    with figures.paper_figure(height=3.1) as (figure, (ax,)):
-        figures.quantity_curves(
+    with style.paper_figure(height=3.1) as (figure, (ax,)):
+        standing.quantity_curves(
             ax, values[finite], curves, label=QUANTITIES[name].label, axis=along
         )
         rest = [axis for axis in others if axis != second]
@@ -200,7 +193,7 @@ def _curve_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -
             handles, labels = ax.get_legend_handles_labels()
             figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
         shown = {**kept, **{axis: {middle[axis]} for axis in rest}}
-        return Drawing(figures.save(figure, stem, formats), _left_out(study, shown))
+        return Drawing(style.save(figure, stem, formats), _left_out(study, shown))
 
 
 def _above(contour: Contour, ankles: np.ndarray, hips: np.ndarray) -> np.ndarray:

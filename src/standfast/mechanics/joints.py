@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from standfast.anthropometry import Body
+from standfast.anthropometry.body import Body
 from standfast.errors import InputError
 from standfast.numerics.arrays import Scalar, namespace
 from standfast.parameters import STIFFNESSES, checked_leaf, checked_scalar

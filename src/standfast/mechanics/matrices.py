@@ -8,7 +8,7 @@ G gravity part of C, γ gravity load of a segment, g gravity; s, t, b shank, thi
 a, k, h ankle, knee, hip (Gait & Posture 25 (2007) 432-439).
 """
 
-from standfast.anthropometry import Body
+from standfast.anthropometry.body import Body
 from standfast.mechanics.joints import Stiffness, checked_person
 from standfast.numerics.arrays import Array, Matrix, Scalar, Vector, namespace, stacked
 from standfast.numerics.pairs import Pair, add, multiply, negate, product

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from standfast.anthropometry import Body
+from standfast.anthropometry.body import Body
 from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import gravity_loads, segment_inertia
 from standfast.numerics.arrays import Array, Scalar, Vector, namespace

@@ -9,22 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from standfast.anthropometry import REFERENCE_PEOPLE, body_of
-from standfast.engine import map_over_batch
+from standfast.anthropometry.body import REFERENCE_PEOPLE, body_of
+from standfast.engine.mapping import map_over_batch
 from standfast.files import whole_file
-from standfast.mechanics import Stiffness, joint_gravity
+from standfast.mechanics.joints import Stiffness
+from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import Scalar
 from standfast.parameters import JOINTS, STIFFNESSES
 from standfast.population.people.records import People
-from standfast.stability import (
-    critical_stiffness,
-    frequency,
-    modes,
-    ratio_to_ankle,
-    safety_factor,
-    stiffness_reserve,
-    verdict,
-)
+from standfast.stability.margins import safety_factor, stiffness_reserve
+from standfast.stability.modes import frequency, modes, ratio_to_ankle
+from standfast.stability.springs import critical_stiffness, verdict
 
 
 @dataclass(frozen=True, slots=True)

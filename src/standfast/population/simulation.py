@@ -9,7 +9,7 @@ import numpy as np
 
 from standfast.atlas.layout import LIBRARIES
 from standfast.atlas.writer import failures_of_hdf5
-from standfast.engine import keep_freed_memory
+from standfast.engine.memory import keep_freed_memory
 from standfast.errors import InputError
 from standfast.population.cohort.cohort import Cohort, cohort_of
 from standfast.population.cohort.counting import (
@@ -27,7 +27,7 @@ from standfast.population.summary.file import Population, open_population
 from standfast.population.summary.sensitivity import sensitivity_of
 from standfast.population.summary.summary import Summary
 from standfast.population.summary.writing import new_persons, write_summary
-from standfast.run import Announce, Progress, RunOptions, checked_options, run_job
+from standfast.run.loop import Announce, Progress, RunOptions, checked_options, run_job
 from standfast.run.shards import HEADER_BYTES
 
 

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from standfast.anthropometry import REFERENCE_PEOPLE, Body, ReferencePerson, body_of
-from standfast.mechanics import gravity_loads
+from standfast.anthropometry.body import REFERENCE_PEOPLE, Body, ReferencePerson, body_of
+from standfast.mechanics.matrices import gravity_loads
 from standfast.numerics.arrays import ROUNDOFF
 
 # Scaling a person rounds: mass ratio of BMI · height² over the reference (4 roundings), times the

@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from standfast.anthropometry import Body
-from standfast.mechanics import Stiffness, joint_gravity, joint_inertia, stiffness_rows
+from standfast.anthropometry.body import Body
+from standfast.mechanics.joints import Stiffness
+from standfast.mechanics.matrices import joint_gravity, joint_inertia, stiffness_rows
 from standfast.numerics import eigenvectors
 from standfast.numerics.arrays import ROUNDOFF, Matrix, Scalar, Vector, namespace
 from standfast.numerics.cubic import largest_root

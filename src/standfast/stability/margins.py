@@ -5,10 +5,9 @@ notation: C stiffness matrix, G its gravity part, K stiffness (Gait & Posture 25
 
 import numpy as np
 
-from standfast.anthropometry import Body
-from standfast.mechanics import (
-    Stiffness,
-    checked_person,
+from standfast.anthropometry.body import Body
+from standfast.mechanics.joints import Stiffness, checked_person
+from standfast.mechanics.matrices import (
     gravity_load_pairs,
     gravity_loads,
     joint_gravity,

@@ -14,15 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from standfast.anthropometry import Body
-from standfast.mechanics import (
-    Stiffness,
-    checked_person,
-    joint_gravity,
-    joint_inertia,
-    kinetic_energy,
-    second_variation,
-)
+from standfast.anthropometry.body import Body
+from standfast.mechanics.joints import Stiffness, checked_person
+from standfast.mechanics.matrices import joint_gravity, joint_inertia, second_variation
+from standfast.mechanics.motion import kinetic_energy
 from standfast.numerics import eigenvectors
 from standfast.numerics.arrays import Array, Scalar, Vector, namespace
 from standfast.numerics.vectors import dot, matvec

@@ -5,8 +5,8 @@ notation: γ gravity load of a segment, L load carried by a joint, K stiffness, 
 
 import numpy as np
 
-from standfast.anthropometry import Body
-from standfast.mechanics import Stiffness, checked_person
+from standfast.anthropometry.body import Body
+from standfast.mechanics.joints import Stiffness, checked_person
 from standfast.numerics.arrays import ROUNDOFF, Scalar, Vector, namespace
 from standfast.parameters import STANDARD_GRAVITY
 from standfast.stability.springs import carried_loads

@@ -14,13 +14,9 @@ knee, hip; Ka, Kk, Kh stiffnesses (Gait & Posture 25 (2007) 432-439 for the mode
 
 import numpy as np
 
-from standfast.anthropometry import Body
-from standfast.mechanics import (
-    Stiffness,
-    checked_person,
-    gravity_loads,
-    joint_gravity,
-)
+from standfast.anthropometry.body import Body
+from standfast.mechanics.joints import Stiffness, checked_person
+from standfast.mechanics.matrices import gravity_loads, joint_gravity
 from standfast.numerics.arrays import Scalar, Vector, namespace
 from standfast.parameters import STANDARD_GRAVITY, checked_scalar
 

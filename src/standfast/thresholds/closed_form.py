@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from standfast.stability import critical_ankle_stiffness, critical_hip_stiffness
-from standfast.study import Study
+from standfast.stability.springs import critical_ankle_stiffness, critical_hip_stiffness
+from standfast.study.study import Study
 from standfast.thresholds.planes import PLANE_AXES, Plane, finite
 
 

@@ -12,9 +12,9 @@ from typing import Any
 import contourpy
 import numpy as np
 
-from standfast.atlas import Atlas
+from standfast.atlas.reader import Atlas
 from standfast.errors import InputError
-from standfast.study import Study
+from standfast.study.study import Study
 from standfast.thresholds.closed_form import critical_ankles, critical_hips, limit_of_standing
 from standfast.thresholds.planes import (
     ANKLE,

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from standfast.anthropometry import REFERENCE_PEOPLE, Body, body_of
+from standfast.anthropometry.body import REFERENCE_PEOPLE, Body, body_of
 from standfast.errors import InputError
-from standfast.study import Study
+from standfast.study.study import Study
 
 ANKLE, KNEE, HIP = "ankle_stiffness", "knee_stiffness", "hip_stiffness"
 PLANE_AXES = (ANKLE, HIP)

@@ -11,7 +11,7 @@ import numpy as np
 from standfast.atlas.layout import LIBRARIES
 from standfast.files import whole_file
 from standfast.parameters import PARAMETERS, STIFFNESS_UNIT
-from standfast.study import Study
+from standfast.study.study import Study
 from standfast.thresholds.contours import Contour
 from standfast.thresholds.planes import PLANE_AXES
 

@@ -13,7 +13,7 @@ import numpy as np
 from standfast.numerics.arrays import Scalar, namespace
 from standfast.parameters import JOINTS
 from standfast.population.cohort.persons import CohortModel, outcome, person_of
-from standfast.stability import verdict
+from standfast.stability.springs import verdict
 
 BITS_PER_OCTAVE = 8
 LOWEST_OCTAVE, OCTAVES = -12, 36  # 0.0002 to 16 million

@@ -9,19 +9,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from standfast.anthropometry import REFERENCE_PEOPLE, Body, body_of
-from standfast.mechanics import Stiffness, joint_gravity
+from standfast.anthropometry.body import REFERENCE_PEOPLE, Body, body_of
+from standfast.mechanics.joints import Stiffness
+from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import Scalar, namespace
 from standfast.parameters import JOINTS
 from standfast.population.people.builtin import PROPORTIONS, Proportions, Subpopulation
 from standfast.population.people.distributions import Coordinate, StiffnessDistribution
-from standfast.stability import (
-    critical_stiffness,
-    growth_rate,
-    modes,
-    safety_factor,
-    verdict,
-)
+from standfast.stability.margins import safety_factor
+from standfast.stability.modes import growth_rate, modes
+from standfast.stability.springs import critical_stiffness, verdict
 
 # The sole and the ankle: what of stature lies below the ankle, in the body models' source
 # (Winter, ankle height 0.039 of stature).

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from standfast.engine import map_over_batch
+from standfast.engine.mapping import map_over_batch
 from standfast.parameters import JOINTS
 from standfast.population.cohort.cohort import Cohort
 from standfast.population.cohort.persons import margins

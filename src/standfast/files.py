@@ -25,11 +25,6 @@ def whole_file(path: Path, *, synced: bool = False) -> Iterator[Path]:
     """Give a temporary name, and rename what is written there to ``path`` when the block ends.
 
     If the block fails nothing is left. ``synced`` makes file and name survive a power loss.
-
-    Raises
-    ------
-    OSError
-        if the disk does not take it.
     """
     partial = partial_name(path)
     try:

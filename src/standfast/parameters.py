@@ -66,21 +66,19 @@ def label(words: str, symbol: str, unit: str) -> str:
     return " ".join(part for part in parts if part)
 
 
+BODY_MODELS = ("edwards2007", "winter", "de-leva-male", "de-leva-female")
 STANDARD_GRAVITY = 9.80665
 STIFFNESS_UNIT = "N·m/rad"
 
-# Beyond all joints; up to here every accuracy that is promised has been measured.
-STIFFEST = 1e12
 
-
-def _stiffness(joint: str, joints: str) -> Parameter:
+def _stiffness(joint: str) -> Parameter:
     return Parameter(
         f"{joint}_stiffness",
         f"K_{joint[0]}",
         STIFFNESS_UNIT,
-        f"rotational stiffness of both {joints} together",
+        f"rotational stiffness of both {joint}s together",
         0.0,
-        STIFFEST,
+        1e12,  # beyond all joints; up to here every accuracy that is promised has been measured
         or_rigid=True,
         section="stiffness",
         key=joint,
@@ -90,83 +88,53 @@ def _stiffness(joint: str, joints: str) -> Parameter:
 # Heights and masses run from small children to the tallest and heaviest adults on record; gravity
 # from near weightlessness to well beyond a centrifuge. They catch centimetres and pounds in grams,
 # not unusual people.
-PARAMETERS = {
-    row.name: row
-    for row in (
-        Parameter(
-            "gravity",
-            "g",
-            "m/s²",
-            "gravitational acceleration",
-            1e-3,
-            1e3,
-            key="gravity",
-            default=STANDARD_GRAVITY,
-        ),
-        Parameter(
-            "body_model",
-            "",
-            "1",
-            "table of segment parameters",
-            choices=("edwards2007", "winter", "de-leva-male", "de-leva-female"),
-            section="body",
-            key="model",
-            default="winter",
-        ),
-        Parameter(
-            "height",
-            "H",
-            "m",
-            "standing height of the person",
-            0.5,
-            2.8,
-            section="body",
-            key="height",
-        ),
-        Parameter(
-            "mass", "m", "kg", "mass of the whole body", 2.0, 700.0, section="body", key="mass"
-        ),
-        Parameter(
-            "bmi",
-            "",
-            "kg/m²",
-            "body mass index, mass / height²",
-            5.0,
-            250.0,
-            section="body",
-            key="bmi",
-        ),
-        _stiffness("ankle", "ankles"),
-        _stiffness("knee", "knees"),
-        _stiffness("hip", "hips"),
-    )
-}
-BODY_MODELS = PARAMETERS["body_model"].choices
+_TABLE = (
+    Parameter(
+        "gravity",
+        "g",
+        "m/s²",
+        "gravitational acceleration",
+        1e-3,
+        1e3,
+        key="gravity",
+        default=STANDARD_GRAVITY,
+    ),
+    Parameter(
+        "body_model",
+        "",
+        "1",
+        "table of segment parameters",
+        choices=BODY_MODELS,
+        section="body",
+        key="model",
+        default="winter",
+    ),
+    Parameter(
+        "height", "H", "m", "standing height of the person", 0.5, 2.8, section="body", key="height"
+    ),
+    Parameter("mass", "m", "kg", "mass of the whole body", 2.0, 700.0, section="body", key="mass"),
+    Parameter(
+        "bmi", "", "kg/m²", "body mass index, mass / height²", 5.0, 250.0, section="body", key="bmi"
+    ),
+    *map(_stiffness, JOINTS),
+)
+PARAMETERS = {row.name: row for row in _TABLE}
 
 # The parts of a body that is given segment by segment: shank, thigh, upper body.
 # The parts of a body that is given segment by segment: shank, thigh, upper body.
-SEGMENT_PARAMETERS = {
-    row.name: row
-    for row in (
-        Parameter("segment_mass", "m", "kg", "mass of a segment, both legs", 1e-3, 700.0),
-        Parameter(
-            "segment_inertia", "I", "kg·m²", "inertia about its centre of mass", 1e-6, 1000.0
-        ),
-        Parameter("segment_length", "h", "m", "length of shank and thigh", 1e-2, 2.0),
-        Parameter("segment_com", "e", "m", "centre of mass above the lower end", 1e-3, 2.0),
-    )
-}
+_SEGMENT_TABLE = (
+    Parameter("segment_mass", "m", "kg", "mass of a segment, both legs", 1e-3, 700.0),
+    Parameter("segment_inertia", "I", "kg·m²", "inertia about its centre of mass", 1e-6, 1000.0),
+    Parameter("segment_length", "h", "m", "length of shank and thigh", 1e-2, 2.0),
+    Parameter("segment_com", "e", "m", "centre of mass above the lower end", 1e-3, 2.0),
+)
+SEGMENT_PARAMETERS = {row.name: row for row in _SEGMENT_TABLE}
 
 
 def checked_choice(where: str, value: Any, *, row: Parameter | None = None) -> str:
     """Return ``value`` if it is one of the words that a parameter can be.
 
     ``where`` and ``row`` as in :func:`checked_number`.
-
-    Raises
-    ------
-    InputError
-        naming the nearest of them.
     """
     wrong = "known" if row is None else f"a {row.name.replace('_', ' ')}"
     row = row or PARAMETERS[where]
@@ -183,11 +151,6 @@ def checked_number(name: str, value: Any, *, row: Parameter | None = None) -> fl
     """Return ``value`` as a float if it lies in the range of the parameter ``name``.
 
     ``name`` is what the message calls it; ``row`` is the table row when that differs.
-
-    Raises
-    ------
-    InputError
-        for text, a truth value, NaN, or a number outside the range of the table.
     """
     row = row or PARAMETERS[name]
     if isinstance(value, np.ndarray) and value.ndim == 0:
@@ -241,8 +204,5 @@ def is_typed_in(value: Any) -> bool:
 
     JAX takes records apart and puts them together again with tracers, None and marks of its own.
     """
-    number = (numbers.Number, np.generic)
-    words = (bool, str, bytes, list, tuple, dict, set)
-    return isinstance(value, (*number, *words)) or (
-        isinstance(value, np.ndarray) and value.ndim == 0
-    )
+    written = (numbers.Number, np.generic, str, bytes, list, tuple, dict, set)
+    return isinstance(value, written) or (isinstance(value, np.ndarray) and value.ndim == 0)

@@ -49,14 +49,9 @@ class Person(NamedTuple):
 class Step:
     """Where along an axis a quantity that is 0 or 1 changes from 0 to 1.
 
-    Attributes
-    ----------
-    along
-        the parameter of that axis; the value is 1 where it lies above the place of the step.
-    interval
-        one person's place, and the ends between which the exact place lies.
-    exact
-        the exact place, of parameters by name; None if there is none.
+    The value is 1 where the parameter ``along`` lies above the place of the step. ``interval``
+    finds one person's place, and the ends between which the exact place lies; ``exact`` the exact
+    place, of parameters by name, or None if there is none.
     """
 
     along: str
@@ -64,28 +59,15 @@ class Step:
     exact: Callable[[Mapping[str, Any]], Fraction | None]
 
 
-def as_found(person: Person, found: Any) -> Scalar:
-    """Return what was found: the number itself."""
-    del person
-    return found
-
-
 @dataclass(frozen=True, slots=True)
 class Quantity:
     """A number that standfast computes for one person.
 
-    Attributes
-    ----------
-    reference
-        finds it for one person, or something of which ``pick`` takes it; quantities of one
-        ``reference`` share what it finds.
-    fast
-        a fast way to what ``reference`` finds: returns (found, uncertain), and what is uncertain is
-        asked of the reference; always so with a rigid joint. Quantities of one way share it.
-    without
-        parameters on which it does not depend.
-    flags
-        of a quantity of whole numbers: the meanings of 0, 1 and so on.
+    ``reference`` finds it for one person, or something of which ``pick`` takes it; quantities of
+    one ``reference`` share what it finds. ``fast`` is a fast way to what ``reference`` finds: it
+    returns (found, uncertain), and what is uncertain is asked of the reference; always so with a
+    rigid joint. Quantities of one way share it. ``without`` are the parameters on which it does not
+    depend, ``flags`` the meanings of 0, 1 and so on of a quantity of whole numbers.
     """
 
     name: str
@@ -93,7 +75,7 @@ class Quantity:
     unit: str
     meaning: str
     reference: Callable[[Person], Any]
-    pick: Callable[[Person, Any], Scalar] = as_found
+    pick: Callable[[Person, Any], Scalar] = lambda _, found: found
     dtype: str = "float64"
     without: tuple[str, ...] = ()
     fast: Callable[[Person], tuple[Any, Scalar]] | None = None
@@ -111,11 +93,49 @@ class Quantity:
         return tuple(name for name in PARAMETERS if name not in self.without)
 
 
-def of_springs(
-    function: Callable[[Body, Stiffness, Scalar], Any],
-) -> Callable[[Person], Any]:
+def of_springs(function: Callable[[Body, Stiffness, Scalar], Any]) -> Callable[[Person], Any]:
     """Turn a function of body, stiffness and gravity into one of a person."""
     return lambda person: function(person.body, person.stiffness, person.gravity)
+
+
+def _threshold(joint: str, function: Callable[..., Scalar], *others: str) -> Quantity:
+    """Return the threshold of a joint, a function of body, stiffness of the others and gravity."""
+
+    def found(person: Person) -> Scalar:
+        given = (getattr(person.stiffness, other) for other in others)
+        return function(person.body, *given, person.gravity)
+
+    return Quantity(
+        f"critical_{joint}_stiffness",
+        "K_{" + joint[0] + r",\mathrm{crit}}",
+        STIFFNESS_UNIT,
+        f"{joint} stiffness at which the person just stands, {' and '.join(others)} as given",
+        found,
+        without=(f"{joint}_stiffness",),
+    )
+
+
+def _eigenvalue(number: int, mode: str) -> Quantity:
+    return Quantity(
+        f"eigenvalue_{number}",
+        rf"\lambda_{number}",
+        "rad²/s²",
+        f"eigenvalue of the {mode} mode",
+        modes_of,
+        lambda _, found: found.eigenvalues[number - 1],
+        fast=eigenvalues_of,
+    )
+
+
+def _rotation(joint: str) -> Quantity:
+    return Quantity(
+        f"{joint}_ankle_ratio",
+        rf"\theta_{joint[0]}/\theta_a",
+        "1",
+        f"{joint} rotation per ankle rotation in the least stable mode",
+        modes_of,
+        lambda one, found: ratio_to_ankle(joint, one.stiffness, found),
+    )
 
 
 modes_of = of_springs(modes)
@@ -133,131 +153,64 @@ STANDING = Step(
     exact=exact_threshold,
 )
 
-QUANTITIES = {
-    row.name: row
-    for row in (
-        Quantity(
-            "stable",
-            "",
-            "1",
-            "verdict: the person stands",
-            of_springs(verdict),
-            dtype="uint8",
-            step=STANDING,
-            flags=("unstable", "stable"),
-        ),
-        Quantity(
-            "stability_determinant",
-            r"\det C",
-            "(N·m/rad)³",
-            "determinant of the stiffness matrix",
-            of_springs(stability_determinant),
-        ),
-        Quantity(
-            "critical_ankle_stiffness",
-            r"K_{a,\mathrm{crit}}",
-            STIFFNESS_UNIT,
-            "ankle stiffness at which the person just stands, knee and hip as given",
-            lambda one: critical_ankle_stiffness(
-                one.body, one.stiffness.knee, one.stiffness.hip, one.gravity
-            ),
-            without=("ankle_stiffness",),
-        ),
-        Quantity(
-            "critical_knee_stiffness",
-            r"K_{k,\mathrm{crit}}",
-            STIFFNESS_UNIT,
-            "knee stiffness at which the person just stands, ankle and hip as given",
-            lambda one: critical_knee_stiffness(
-                one.body, one.stiffness.ankle, one.stiffness.hip, one.gravity
-            ),
-            without=("knee_stiffness",),
-        ),
-        Quantity(
-            "critical_hip_stiffness",
-            r"K_{h,\mathrm{crit}}",
-            STIFFNESS_UNIT,
-            "hip stiffness at which the person just stands, ankle and knee as given",
-            lambda one: critical_hip_stiffness(
-                one.body, one.stiffness.ankle, one.stiffness.knee, one.gravity
-            ),
-            without=("hip_stiffness",),
-        ),
-        Quantity(
-            "stiffness_reserve",
-            r"\lambda_{\min}(C)",
-            STIFFNESS_UNIT,
-            "what every joint could lose at once before the person falls",
-            of_springs(stiffness_reserve),
-            fast=of_springs(fast.fast_reserve),
-        ),
-        Quantity(
-            "safety_factor",
-            "s",
-            "1",
-            "factor by which all stiffnesses could be divided and the person just stand",
-            of_springs(safety_factor),
-        ),
-        Quantity(
-            "eigenvalue_1",
-            r"\lambda_1",
-            "rad²/s²",
-            "eigenvalue of the least stable mode",
-            modes_of,
-            lambda _, found: found.eigenvalues[0],
-            fast=eigenvalues_of,
-        ),
-        Quantity(
-            "eigenvalue_2",
-            r"\lambda_2",
-            "rad²/s²",
-            "eigenvalue of the second mode",
-            modes_of,
-            lambda _, found: found.eigenvalues[1],
-            fast=eigenvalues_of,
-        ),
-        Quantity(
-            "eigenvalue_3",
-            r"\lambda_3",
-            "rad²/s²",
-            "eigenvalue of the third mode",
-            modes_of,
-            lambda _, found: found.eigenvalues[2],
-            fast=eigenvalues_of,
-        ),
-        Quantity(
-            "frequency",
-            "f",
-            "Hz",
-            "frequency of the least stable mode, negative where the person falls",
-            modes_of,
-            lambda _, found: frequency(found.eigenvalues[0]),
-            fast=eigenvalues_of,
-        ),
-        Quantity(
-            "growth_rate",
-            r"\sigma",
-            "1/s",
-            "growth rate of the fall, 0 where stable",
-            modes_of,
-            lambda _, found: growth_rate(found.eigenvalues[0]),
-            fast=eigenvalues_of,
-        ),
-        Quantity(
-            "hip_ankle_ratio",
-            r"\theta_h/\theta_a",
-            "1",
-            "hip rotation per ankle rotation in the least stable mode",
-            modes_of,
-            lambda one, found: ratio_to_ankle("hip", one.stiffness, found),
-        ),
-        Quantity(
-            "knee_ankle_ratio",
-            r"\theta_k/\theta_a",
-            "1",
-            "knee rotation per ankle rotation in the least stable mode",
-            modes_of,
-            lambda one, found: ratio_to_ankle("knee", one.stiffness, found),
-        ),
-    )
-}
+_TABLE = (
+    Quantity(
+        "stable",
+        "",
+        "1",
+        "verdict: the person stands",
+        of_springs(verdict),
+        dtype="uint8",
+        step=STANDING,
+        flags=("unstable", "stable"),
+    ),
+    Quantity(
+        "stability_determinant",
+        r"\det C",
+        "(N·m/rad)³",
+        "determinant of the stiffness matrix",
+        of_springs(stability_determinant),
+    ),
+    _threshold("ankle", critical_ankle_stiffness, "knee", "hip"),
+    _threshold("knee", critical_knee_stiffness, "ankle", "hip"),
+    _threshold("hip", critical_hip_stiffness, "ankle", "knee"),
+    Quantity(
+        "stiffness_reserve",
+        r"\lambda_{\min}(C)",
+        STIFFNESS_UNIT,
+        "what every joint could lose at once before the person falls",
+        of_springs(stiffness_reserve),
+        fast=of_springs(fast.fast_reserve),
+    ),
+    Quantity(
+        "safety_factor",
+        "s",
+        "1",
+        "factor by which all stiffnesses could be divided and the person just stand",
+        of_springs(safety_factor),
+    ),
+    _eigenvalue(1, "least stable"),
+    _eigenvalue(2, "second"),
+    _eigenvalue(3, "third"),
+    Quantity(
+        "frequency",
+        "f",
+        "Hz",
+        "frequency of the least stable mode, negative where the person falls",
+        modes_of,
+        lambda _, found: frequency(found.eigenvalues[0]),
+        fast=eigenvalues_of,
+    ),
+    Quantity(
+        "growth_rate",
+        r"\sigma",
+        "1/s",
+        "growth rate of the fall, 0 where stable",
+        modes_of,
+        lambda _, found: growth_rate(found.eigenvalues[0]),
+        fast=eigenvalues_of,
+    ),
+    _rotation("hip"),
+    _rotation("knee"),
+)
+QUANTITIES = {row.name: row for row in _TABLE}

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from standfast.anthropometry.tables import DE_LEVA, WINTER, upper_body
+from standfast.anthropometry.tables import DE_LEVA, WINTER, SegmentRow, upper_body
 from standfast.errors import InputError
 from standfast.numerics.arrays import Array, Scalar, namespace
 from standfast.parameters import (
@@ -54,11 +54,7 @@ class Body(_BodyFields):
     __slots__ = ()
 
     def __new__(
-        cls,
-        segment_mass: Any,
-        segment_inertia: Any,
-        segment_length: Any,
-        segment_com: Any,
+        cls, segment_mass: Any, segment_inertia: Any, segment_length: Any, segment_com: Any
     ) -> "Body":
         """Check every plain value and keep it as a read-only float64 array."""
         return super().__new__(
@@ -102,13 +98,9 @@ class Body(_BodyFields):
         InputError
             for a model that is not known, or a height or mass out of range.
         """
-        return body_of(
-            {
-                "body_model": REFERENCE_PEOPLE[checked_choice("body_model", model)],
-                "height": checked_scalar("height", height),
-                "mass": checked_scalar("mass", mass),
-            }
-        )
+        reference = REFERENCE_PEOPLE[checked_choice("body_model", model)]
+        size = {"height": checked_scalar("height", height), "mass": checked_scalar("mass", mass)}
+        return body_of({"body_model": reference, **size})
 
 
 class ReferencePerson(NamedTuple):
@@ -128,24 +120,16 @@ def body_of(given: Mapping[str, Any]) -> Body:
     reference: ReferencePerson = given["body_model"]
     height = given["height"]
     mass = given["mass"] if "mass" in given else given["bmi"] * height**2
-    return rescaled(reference.body, height / reference.height, mass / reference.mass)
-
-
-def rescaled(body: Body, taller: Scalar, heavier: Scalar) -> Body:
-    """Return a similar body with lengths · ``taller`` and masses · ``heavier``."""
+    body, taller, heavier = reference.body, height / reference.height, mass / reference.mass
     xp = namespace(*body, taller, heavier)
     taller, heavier = xp.asarray(taller), xp.asarray(heavier)
-    return Body._make(
-        map(
-            _frozen,
-            (
-                body.segment_mass * heavier,
-                body.segment_inertia * (heavier * taller**2),
-                body.segment_length * taller,
-                body.segment_com * taller,
-            ),
-        )
+    scaled = (
+        body.segment_mass * heavier,
+        body.segment_inertia * (heavier * taller**2),
+        body.segment_length * taller,
+        body.segment_com * taller,
     )
+    return Body._make(map(_frozen, scaled))
 
 
 def _checked_segments(name: str, values: Any, count: int) -> Array:
@@ -160,14 +144,11 @@ def _checked_segments(name: str, values: Any, count: int) -> Array:
         )
     if any(namespace(value) is not np for value in values):
         return namespace(*values).stack(list(values))
-    return _frozen(
-        np.array(
-            [
-                checked_number(f"{name} of the {segment}", value, row=row)
-                for segment, value in zip(segments, values, strict=True)
-            ]
-        )
-    )
+    numbers = [
+        checked_number(f"{name} of the {segment}", value, row=row)
+        for segment, value in zip(segments, values, strict=True)
+    ]
+    return _frozen(np.array(numbers))
 
 
 def _frozen(array: Array) -> Array:
@@ -176,38 +157,20 @@ def _frozen(array: Array) -> Array:
     return array
 
 
-def _winter_person() -> ReferencePerson:
-    rows = tuple(WINTER.values())
-    return ReferencePerson(
-        height=1.0,
-        mass=1.0,
-        body=_unit_body(
-            [row.total_mass for row in rows],
-            [row.inertia for row in rows],
-            [row.length for row in rows[:2]],
-            [row.com_above_lower_end for row in rows],
-        ),
+def _unit_person(
+    table: Mapping[str, SegmentRow], upper: tuple[float, float, float]
+) -> ReferencePerson:
+    """Return a person of 1 m and 1 kg, whose values no check of a real body would pass."""
+    legs = (table["shank"], table["thigh"])
+    mass, com, inertia = upper
+    columns = (
+        [*(row.total_mass for row in legs), mass],
+        [*(row.inertia for row in legs), inertia],
+        [row.length for row in legs],
+        [*(row.com_above_lower_end for row in legs), com],
     )
-
-
-def _de_leva_person(model: str) -> ReferencePerson:
-    legs = (DE_LEVA[model]["shank"], DE_LEVA[model]["thigh"])
-    mass, com, inertia = upper_body(model)
-    return ReferencePerson(
-        height=1.0,
-        mass=1.0,
-        body=_unit_body(
-            [*(row.total_mass for row in legs), mass],
-            [*(row.inertia for row in legs), inertia],
-            [row.length for row in legs],
-            [*(row.com_above_lower_end for row in legs), com],
-        ),
-    )
-
-
-def _unit_body(*columns: list[float]) -> Body:
-    """Make a body of unit height and mass, whose values no check of a real body would pass."""
-    return Body._make(_frozen(np.array(column)) for column in columns)
+    body = Body._make(_frozen(np.array(column)) for column in columns)
+    return ReferencePerson(body, height=1.0, mass=1.0)
 
 
 # Each is of one of PARAMETERS["body_model"].choices.
@@ -222,9 +185,8 @@ REFERENCE_PEOPLE = {
             segment_com=(0.245, 0.244, 0.356),
         ),
     ),
-    "winter": _winter_person(),
-    "de-leva-male": _de_leva_person("de-leva-male"),
-    "de-leva-female": _de_leva_person("de-leva-female"),
+    "winter": _unit_person(WINTER, WINTER["upper body"].moments),
+    **{model: _unit_person(table, upper_body(model)) for model, table in DE_LEVA.items()},
 }
 
 BODY_SOURCES = {

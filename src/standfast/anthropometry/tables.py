@@ -35,6 +35,11 @@ class SegmentRow:
         """Inertia of all limbs about their own centre of mass, a fraction of mass · stature²."""
         return self.total_mass * (self.gyration * self.length) ** 2
 
+    @property
+    def moments(self) -> tuple[float, float, float]:
+        """Mass, centre of mass and inertia."""
+        return self.total_mass, self.com_above_lower_end, self.inertia
+
 
 # Dempster's cadaver data in the form of D. A. Winter, Biomechanics and Motor Control of Human
 # Movement, Table 4.1 and the segment lengths of Drillis & Contini (figure 4.1). HAT = head, arms

@@ -33,9 +33,7 @@ class Stiffness(_StiffnessFields):
         """Check every plain value and keep it as a float."""
         return super().__new__(
             cls,
-            checked_leaf("ankle_stiffness", ankle),
-            checked_leaf("knee_stiffness", knee),
-            checked_leaf("hip_stiffness", hip),
+            *map(checked_leaf, STIFFNESSES, (ankle, knee, hip)),
         )
 
     def _replace(self, **changes: Any) -> "Stiffness":
@@ -44,13 +42,7 @@ class Stiffness(_StiffnessFields):
 
 
 def checked_person(body: Body, stiffness: Stiffness, gravity: Scalar) -> Any:
-    """Check the arguments of a public function; return their array library.
-
-    Raises
-    ------
-    InputError
-        if they are not a body, a triple of stiffnesses and gravity, each of one person.
-    """
+    """Check the arguments of a public function, each of one person; return their array library."""
     if not isinstance(body, Body):
         raise InputError(
             f"body = {body!r} is not a Body; make one with Body.from_height_mass or "

@@ -58,24 +58,16 @@ def stiffness_rows(body: Body, stiffness: Stiffness, gravity: Scalar) -> Matrix:
 
 
 def gravity_loads(body: Body, gravity: Scalar) -> Vector:
-    """Return the gravity load of each segment: its toppling moment per radian of its own angle.
+    """Return each segment's gravity load: its toppling moment per radian of its angle (N·m/rad).
 
-    γs = g (ms es + (mt + mb) hs),  γt = g (mt et + mb ht),  γb = g mb eb
-
-    Returns
-    -------
-    shank, thigh, upper body; N·m/rad, all positive.
+    γs = g (ms es + (mt + mb) hs),  γt = g (mt et + mb ht),  γb = g mb eb, all positive.
     """
     namespace(*body, gravity)  # refuses single precision
     g = gravity
     ms, mt, mb = body.segment_mass
     hs, ht = body.segment_length
     es, et, eb = body.segment_com
-    return (
-        g * (ms * es + (mt + mb) * hs),
-        g * (mt * et + mb * ht),
-        g * (mb * eb),
-    )
+    return g * (ms * es + (mt + mb) * hs), g * (mt * et + mb * ht), g * (mb * eb)
 
 
 def joint_gravity(body: Body, gravity: Scalar) -> Matrix:
@@ -109,13 +101,12 @@ def segment_inertia(body: Body) -> Matrix:
 def joint_inertia(body: Body) -> Matrix:
     """Return A = Tᵀ M T as rows: each entry sums the part of M below and right of it."""
     (m11, m12, m13), (_, m22, m23), (_, _, m33) = segment_inertia(body)
-    a33 = m33
     a23 = m23 + m33
     a13 = m13 + a23
     a22 = m22 + m23 + a23
     a12 = m12 + m13 + a22
     a11 = m11 + m12 + m13 + a12
-    return ((a11, a12, a13), (a12, a22, a23), (a13, a23, a33))
+    return ((a11, a12, a13), (a12, a22, a23), (a13, a23, m33))
 
 
 def second_variation(body: Body, stiffness: Stiffness, gravity: Scalar, rotation: Vector) -> Scalar:

@@ -39,10 +39,8 @@ def potential_energy(body: Body, stiffness: Stiffness, gravity: Scalar, rotation
     """
     checked_scalar("gravity", gravity)
     xp = namespace(*body, *stiffness, gravity, *rotation)
-    springs = sum(
-        0.5 * _spring_moment(xp, k, angle) * angle
-        for k, angle in zip(stiffness, rotation, strict=True)
-    )
+    turned = zip(stiffness, rotation, strict=True)
+    springs = sum(0.5 * _spring_moment(xp, k, angle) * angle for k, angle in turned)
     # 1 − cos φ as 2 sin²(φ/2), which keeps its digits at small angles
     drop = sum(
         load * 2.0 * xp.sin(0.5 * angle) ** 2
@@ -61,14 +59,10 @@ def kinetic_energy(body: Body, rotation: Vector, velocity: Vector) -> Scalar:
     es, et, eb = body.segment_com
     angles = segment_angles(rotation)
     rates = segment_angles(velocity)
+    lever_arms = ((es, 0.0, 0.0), (hs, et, 0.0), (hs, ht, eb))
+    segments = zip(body.segment_mass, body.segment_inertia, lever_arms, rates, strict=True)
     energy = 0.0
-    for mass, inertia, arms, rate in zip(
-        body.segment_mass,
-        body.segment_inertia,
-        ((es, 0.0, 0.0), (hs, et, 0.0), (hs, ht, eb)),
-        rates,
-        strict=True,
-    ):
+    for mass, inertia, arms, rate in segments:
         parts = list(zip(arms, angles, rates, strict=True))
         forward = sum(arm * xp.cos(angle) * turn for arm, angle, turn in parts)
         downward = sum(arm * xp.sin(angle) * turn for arm, angle, turn in parts)

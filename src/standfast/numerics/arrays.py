@@ -20,11 +20,8 @@ ROUNDOFF = 2.0**-53  # unit roundoff of float64
 def namespace(*values: Any) -> Any:
     """Return the array library of ``values``: JAX if any of them belongs to it, else NumPy.
 
-    Raises
-    ------
-    TypeError
-        if a value is of another precision than float64. JAX makes it so without a word unless
-        ``jax.config.update("jax_enable_x64", True)`` was called.
+    Refuses another precision than float64, which JAX makes without a word unless
+    ``jax.config.update("jax_enable_x64", True)`` was called.
     """
     library = np
     for value in values:

@@ -9,8 +9,6 @@ triples the digits.
 from standfast.numerics.arrays import Scalar, namespace
 
 # cos(2/3 arccos s) on [0, 1] by its values in seven Chebyshev points: within 2e-7.
-
-# cos(2/3 arccos s) on [0, 1] by its values in seven Chebyshev points: within 2e-7.
 COSINE = (
     0.500000186,
     0.577331902,

@@ -8,7 +8,7 @@ of two energies, whose error is the square of the vector's.
 """
 
 from standfast.numerics.arrays import Matrix, Scalar, Vector, namespace
-from standfast.numerics.vectors import cross, dot, matvec, scaled
+from standfast.numerics.vectors import cross, dot, matvec
 
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
@@ -18,21 +18,13 @@ def spring_eigenvectors(
 ) -> tuple[Vector, Vector, Vector]:
     """Return the eigenvectors of (diag(K) − P) v = λ B v, ascending in λ.
 
-    With W = σB − P positive definite, (diag(K) + W)⁻¹ has the eigenvalues 1/(λ + σ). Scaled to a
-    unit diagonal it exists for a free joint (K = 0) and a rigid one alike:
-    diag(K) + W = S⁻¹ U S⁻¹ with S = diag(K + W)^(−1/2), where a rigid joint has S = 0 exactly.
-    With B = L Lᵀ and U = R Rᵀ the symmetric matrix XᵀX, X = R⁻¹ S L, has these eigenvalues, and
-    v = L⁻ᵀ u.
-
-    Parameters
-    ----------
-    springs, load, metric
-        K, P and B; ``shift`` is σ, large enough that σB − P is positive definite.
-
-    Returns
-    -------
-    Three vectors. In the finite modes a rigid joint has rotation 0 exactly; the vectors that
-    belong to λ = ∞, one for each rigid joint, come last and mean nothing.
+    K are the springs, P the load, B the metric, σ the shift, large enough that W = σB − P is
+    positive definite. (diag(K) + W)⁻¹ has the eigenvalues 1/(λ + σ). Scaled to a unit diagonal it
+    exists for a free joint (K = 0) and a rigid one alike: diag(K) + W = S⁻¹ U S⁻¹ with
+    S = diag(K + W)^(−1/2), where a rigid joint has S = 0 exactly. With B = L Lᵀ and U = R Rᵀ the
+    symmetric matrix XᵀX, X = R⁻¹ S L, has these eigenvalues, and v = L⁻ᵀ u. In the finite modes a
+    rigid joint has rotation 0 exactly; the vectors that belong to λ = ∞, one for each rigid joint,
+    come last and mean nothing.
     """
     xp = namespace(*springs, *(entry for row in (*load, *metric) for entry in row), shift)
     w = [[shift * metric[i][j] - load[i][j] for j in range(3)] for i in range(3)]
@@ -59,19 +51,14 @@ def spring_eigenvectors(
         (0.0, inverse[1][1], inverse[2][1]),
         (0.0, 0.0, inverse[2][2]),
     )
-    rigid = (xp.isinf(springs[0]), xp.isinf(springs[1]), xp.isinf(springs[2]))
+    rigid1, rigid2, rigid3 = (xp.isinf(k) for k in springs)
 
     def shape(u: Vector) -> Vector:
-        v = matvec(back, u)
-        return (
-            xp.where(rigid[0], 0.0, v[0]),
-            xp.where(rigid[1], 0.0, v[1]),
-            xp.where(rigid[2], 0.0, v[2]),
-        )
+        v1, v2, v3 = matvec(back, u)
+        return xp.where(rigid1, 0.0, v1), xp.where(rigid2, 0.0, v2), xp.where(rigid3, 0.0, v3)
 
-    first, second, third = symmetric_eigenvectors(
-        (matvec(x, x[0]), matvec(x, x[1]), matvec(x, x[2]))
-    )
+    squared = (matvec(x, x[0]), matvec(x, x[1]), matvec(x, x[2]))
+    first, second, third = symmetric_eigenvectors(squared)
     return shape(first), shape(second), shape(third)
 
 
@@ -118,9 +105,8 @@ def symmetric_eigenvectors(matrix: Matrix) -> tuple[Vector, Vector, Vector]:
 
     eta = xp.where(upward, 2.0, -2.0) * _cosine_of_third(xp.minimum(abs(half_j3), 1.0))
     rows = ((d11 - eta, d12, d13), (d12, d22 - eta, d23), (d13, d23, d33 - eta))
-    isolated = _unit(
-        _longest(cross(rows[0], rows[1]), cross(rows[0], rows[2]), cross(rows[1], rows[2]))
-    )
+    products = cross(rows[0], rows[1]), cross(rows[0], rows[2]), cross(rows[1], rows[2])
+    isolated = _unit(_longest(*products))
 
     first, second = _plane_across(isolated)
     turned = matvec(deviator, second)
@@ -163,10 +149,7 @@ def _plane_across(normal: Vector) -> tuple[Vector, Vector]:
     sign = xp.where(n3 >= 0.0, 1.0, -1.0)
     a = -1.0 / (sign + n3)
     b = n1 * n2 * a
-    return (
-        (1.0 + sign * n1**2 * a, sign * b, -sign * n1),
-        (b, sign + n2**2 * a, -n2),
-    )
+    return (1.0 + sign * n1**2 * a, sign * b, -sign * n1), (b, sign + n2**2 * a, -n2)
 
 
 def _combined(p: Scalar, a: Vector, q: Scalar, b: Vector) -> Vector:
@@ -175,11 +158,8 @@ def _combined(p: Scalar, a: Vector, q: Scalar, b: Vector) -> Vector:
 
 def _choose(condition: Scalar, a: Vector, b: Vector) -> Vector:
     xp = namespace(condition, *a, *b)
-    return (
-        xp.where(condition, a[0], b[0]),
-        xp.where(condition, a[1], b[1]),
-        xp.where(condition, a[2], b[2]),
-    )
+    first, second, third = (xp.where(condition, x, y) for x, y in zip(a, b, strict=True))
+    return first, second, third
 
 
 def _longest(a: Vector, b: Vector, c: Vector) -> Vector:
@@ -191,6 +171,5 @@ def _unit(a: Vector) -> Vector:
     """Return a / |a|, or the first axis for a null vector (every direction is an eigenvector)."""
     xp = namespace(*a)
     square = dot(a, a)
-    safe = xp.where(square > 0.0, square, 1.0)
-    unit = scaled(1.0 / xp.sqrt(safe), a)
-    return (xp.where(square > 0.0, unit[0], 1.0), unit[1], unit[2])
+    factor = 1.0 / xp.sqrt(xp.where(square > 0.0, square, 1.0))
+    return xp.where(square > 0.0, factor * a[0], 1.0), factor * a[1], factor * a[2]

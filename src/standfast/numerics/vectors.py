@@ -10,16 +10,7 @@ def dot(a: Vector, b: Vector) -> Scalar:
 
 def cross(a: Vector, b: Vector) -> Vector:
     """Vector product a × b."""
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
-
-
-def scaled(factor: Scalar, a: Vector) -> Vector:
-    """Vector a times a factor."""
-    return (factor * a[0], factor * a[1], factor * a[2])
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 def matvec(matrix: Matrix, a: Vector) -> Vector:

@@ -28,33 +28,23 @@ def exact_threshold(parameters: Mapping[str, Any]) -> Fraction | None:
 
     L3 = γb, L2 = γt + L3 Kh / (Kh − L3), L1 = γs + L2 Kk / (Kk − L2), of parameters by name.
     """
-    given: dict[str, Any] = {
-        name: Fraction(parameters[name])
-        for name in ("height", "mass", "bmi", "gravity")
-        if name in parameters
-    }
+    names = {"height", "mass", "bmi", "gravity"} & parameters.keys()
+    given: dict[str, Any] = {name: Fraction(parameters[name]) for name in names}
     given["body_model"] = _in_fractions(REFERENCE_PEOPLE[str(parameters["body_model"])])
     shank, thigh, upper = gravity_loads(body_of(given), given["gravity"])
     load: Fraction = upper
     for joint, segment in (("hip", thigh), ("knee", shank)):
-        transmitted = _transmitted_load(load, float(parameters[f"{joint}_stiffness"]))
-        if transmitted is None:
+        spring = float(parameters[f"{joint}_stiffness"])
+        if spring <= load:
             return None
-        load = segment + transmitted
+        if math.isfinite(spring):  # what it transmits; a rigid joint all that it carries
+            load *= Fraction(spring) / (Fraction(spring) - load)
+        load += segment
     return load
 
 
 def _in_fractions(person: ReferencePerson) -> ReferencePerson:
     """Return a reference person in fractions."""
-    body = Body._make(
-        np.array([Fraction(float(value)) for value in part], object) for part in person.body
-    )
+    parts = ([Fraction(float(value)) for value in part] for part in person.body)
+    body = Body._make(np.array(part, object) for part in parts)
     return ReferencePerson(body, Fraction(person.height), Fraction(person.mass))
-
-
-def _transmitted_load(load: Fraction, stiffness: float) -> Fraction | None:
-    """Return L K / (K − L), what a joint transmits; None if it fails."""
-    if math.isinf(stiffness):
-        return load
-    spring = Fraction(stiffness)
-    return load * spring / (spring - load) if spring > load else None

@@ -15,7 +15,7 @@ from standfast.mechanics.matrices import (
     stiffness_rows,
 )
 from standfast.numerics import eigenvectors
-from standfast.numerics.arrays import ROUNDOFF, Matrix, Scalar, namespace
+from standfast.numerics.arrays import ROUNDOFF, Scalar, namespace
 from standfast.numerics.cubic import largest_root
 from standfast.numerics.pairs import add, difference_of_products, multiply, negate
 from standfast.numerics.vectors import dot
@@ -36,8 +36,19 @@ def stability_determinant(
         if gravity is out of range.
     """
     xp = checked_person(body, stiffness, gravity)
-    determinant = determinant_of(flexible_rows(body, stiffness, gravity))
-    any_rigid = xp.isinf(stiffness.ankle) | xp.isinf(stiffness.knee) | xp.isinf(stiffness.hip)
+    (c11, c12, c13), (_, c22, c23), (_, _, c33) = stiffness_rows(body, stiffness, gravity)
+    # a rigid joint is taken out: its row and column are those of 1
+    no_ankle, no_knee, no_hip = (xp.isinf(k) for k in stiffness)
+    c11 = xp.where(no_ankle, 1.0, c11)
+    c22 = xp.where(no_knee, 1.0, c22)
+    c33 = xp.where(no_hip, 1.0, c33)
+    c12 = xp.where(no_ankle | no_knee, 0.0, c12)
+    c13 = xp.where(no_ankle | no_hip, 0.0, c13)
+    c23 = xp.where(no_knee | no_hip, 0.0, c23)
+    determinant = (
+        c11 * (c22 * c33 - c23**2) - c12 * (c12 * c33 - c23 * c13) + c13 * (c12 * c23 - c22 * c13)
+    )
+    any_rigid = no_ankle | no_knee | no_hip
     return xp.where(any_rigid, xp.copysign(xp.inf, determinant), determinant)[()]
 
 
@@ -109,12 +120,8 @@ def safety_factor(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_G
     free = (stiffness.ankle == 0.0) | (stiffness.knee == 0.0) | (stiffness.hip == 0.0)
     factor = xp.where(free, 0.0, factor)
     # within rounding of 1 the verdict decides
-    just_above = 1.0 + 2.0 * ROUNDOFF
-    return xp.where(
-        verdict(body, stiffness, gravity),
-        xp.maximum(factor, just_above),
-        xp.minimum(factor, 1.0),
-    )[()]
+    above, below = xp.maximum(factor, 1.0 + 2.0 * ROUNDOFF), xp.minimum(factor, 1.0)
+    return xp.where(verdict(body, stiffness, gravity), above, below)[()]
 
 
 ALMOST_FREE = 1e-60  # N·m/rad
@@ -130,31 +137,8 @@ def signed_by(stable: Scalar, value: Scalar) -> Scalar:
     return xp.where(stable, xp.maximum(size, xp.finfo(xp.float64).tiny), -size)[()]
 
 
-def determinant_of(rows: Matrix) -> Scalar:
-    """Return the determinant of a symmetric matrix given by its rows."""
-    (c11, c12, c13), (_, c22, c23), (_, _, c33) = rows
-    return (
-        c11 * (c22 * c33 - c23**2) - c12 * (c12 * c33 - c23 * c13) + c13 * (c12 * c23 - c22 * c13)
-    )
-
-
-def flexible_rows(body: Body, stiffness: Stiffness, gravity: Scalar) -> Matrix:
-    """Return C as rows, with a rigid joint taken out: its row and column are those of 1."""
-    xp = namespace(*body, *stiffness, gravity)
-    (c11, c12, c13), (_, c22, c23), (_, _, c33) = stiffness_rows(body, stiffness, gravity)
-    no_ankle, no_knee, no_hip = (xp.isinf(k) for k in stiffness)
-    c11, c22, c33 = (
-        xp.where(rigid, 1.0, entry)
-        for rigid, entry in ((no_ankle, c11), (no_knee, c22), (no_hip, c33))
-    )
-    c12 = xp.where(no_ankle | no_knee, 0.0, c12)
-    c13 = xp.where(no_ankle | no_hip, 0.0, c13)
-    c23 = xp.where(no_knee | no_hip, 0.0, c23)
-    return ((c11, c12, c13), (c12, c22, c23), (c13, c23, c33))
-
-
 def unless_all_rigid(stiffness: Stiffness, value: Scalar) -> Scalar:
     """Return the value, or infinity if all three joints are rigid."""
     xp = namespace(*stiffness, value)
-    ankle, knee, hip = stiffness
-    return xp.where(xp.isinf(ankle) & xp.isinf(knee) & xp.isinf(hip), xp.inf, value)
+    ankle, knee, hip = (xp.isinf(k) for k in stiffness)
+    return xp.where(ankle & knee & hip, xp.inf, value)

@@ -64,14 +64,12 @@ def modes(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY) 
     vectors = eigenvectors.spring_eigenvectors(stiffness, load, inertia, shift)
 
     rigid = sum(xp.where(xp.isinf(k), 1, 0) for k in stiffness)
-    values = []
-    shapes = []
+    values, shapes = [], []
     for number, vector in enumerate(vectors):
         finite = rigid + number < 3
         shape = _scaled_to_ankle(stiffness, vector)
-        quotient = second_variation(body, stiffness, gravity, vector) / (
-            2.0 * kinetic_energy(body, UPRIGHT, vector)
-        )
+        inertial = 2.0 * kinetic_energy(body, UPRIGHT, vector)
+        quotient = second_variation(body, stiffness, gravity, vector) / inertial
         values.append(xp.where(finite, quotient, xp.inf))
         shapes.append([xp.where(finite, turn, 0.0) for turn in shape])
     low, middle, high = _ascending(*values)
@@ -111,9 +109,8 @@ def ratio_to_ankle(joint: str, stiffness: Stiffness, of: Modes) -> Scalar:
 def _scaled_to_ankle(stiffness: Stiffness, vector: Vector) -> Vector:
     xp = namespace(*stiffness, *vector)
     ankle, knee, hip = vector
-    free_to_turn = xp.where(
-        xp.isfinite(stiffness.ankle), ankle, xp.where(xp.isfinite(stiffness.knee), knee, hip)
-    )
+    above_ankle = xp.where(xp.isfinite(stiffness.knee), knee, hip)
+    free_to_turn = xp.where(xp.isfinite(stiffness.ankle), ankle, above_ankle)
     return ankle / free_to_turn, knee / free_to_turn, hip / free_to_turn
 
 

@@ -25,8 +25,7 @@ def load_rounding(
     error that the gravity loads have beside, where the body was scaled in floating point.
     """
     xp = namespace(*body, *stiffness, gravity)
-    loads = carried_loads(body, stiffness, gravity)
-    at_ankle, at_knee, at_hip = loads
+    at_ankle, at_knee, at_hip = carried_loads(body, stiffness, gravity)
     hip_error = 2.0 * ROUNDOFF + scaling
     knee_error = _error_after(at_hip, hip_error, stiffness.hip, own=3.0 * ROUNDOFF + scaling)
     ankle_error = _error_after(at_knee, knee_error, stiffness.knee, own=4.0 * ROUNDOFF + scaling)
@@ -40,8 +39,6 @@ def load_rounding(
 # Covers the products of two errors, which the first-order bound leaves out, and the rounding of
 # the bound itself; both are below one part in a hundred while δ < 1/256.
 SECOND_ORDER = 1.01
-
-
 LARGEST_RELATIVE_ERROR = 1.0 / 256.0
 
 
@@ -57,9 +54,6 @@ def _error_after(load: Scalar, error: Scalar, stiffness: Scalar, *, own: float) 
     return xp.where((stiffness > load) & (total < LARGEST_RELATIVE_ERROR), total, xp.inf)
 
 
-OUTWARD = 1.25
-
-
 @np.errstate(all="ignore")
 def threshold_interval(
     body: Body, knee: Scalar, hip: Scalar, gravity: Scalar, *, scaling: float = 0.0
@@ -72,11 +66,9 @@ def threshold_interval(
     stiffness = Stiffness._make((0.0, knee, hip))
     xp = namespace(*body, knee, hip, gravity)
     at_ankle, at_knee, at_hip = carried_loads(body, stiffness, gravity)
-    ankle_error, knee_error, hip_error = load_rounding(body, stiffness, gravity, scaling=scaling)
+    bounds = load_rounding(body, stiffness, gravity, scaling=scaling)
     # outward by more than these sums are rounded themselves
-    ankle_error, knee_error, hip_error = (
-        OUTWARD * error for error in (ankle_error, knee_error, hip_error)
-    )
+    ankle_error, knee_error, hip_error = (1.25 * bound for bound in bounds)
     hip_fails = hip < at_hip - hip_error
     hip_holds = hip > at_hip + hip_error
     known = hip_holds & xp.isfinite(knee_error)

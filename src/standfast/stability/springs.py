@@ -46,10 +46,7 @@ def verdict(body: Body, stiffness: Stiffness, gravity: Scalar) -> Scalar:
 
 
 def carried_loads(body: Body, stiffness: Stiffness, gravity: Scalar) -> Vector:
-    """Return L1, L2, L3: the loads that ankle, knee and hip carry (N·m/rad).
-
-    Infinite below a joint that fails.
-    """
+    """Return L1, L2, L3, carried by ankle, knee, hip (N·m/rad); inf below a joint that fails."""
     shank, thigh, upper = gravity_loads(body, gravity)
     at_knee = thigh + transmitted_load(upper, stiffness.hip)
     at_ankle = shank + transmitted_load(at_knee, stiffness.knee)
@@ -88,10 +85,11 @@ def critical_stiffness(
         if gravity is out of range.
     """
     checked_person(body, stiffness, gravity)
+    ankle, knee, hip = stiffness
     return Stiffness(
-        ankle=critical_ankle_stiffness(body, stiffness.knee, stiffness.hip, gravity),
-        knee=critical_knee_stiffness(body, stiffness.ankle, stiffness.hip, gravity),
-        hip=critical_hip_stiffness(body, stiffness.ankle, stiffness.knee, gravity),
+        ankle=critical_ankle_stiffness(body, knee, hip, gravity),
+        knee=critical_knee_stiffness(body, ankle, hip, gravity),
+        hip=critical_hip_stiffness(body, ankle, knee, gravity),
     )
 
 

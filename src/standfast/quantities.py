@@ -13,17 +13,11 @@ from standfast.anthropometry.body import Body, body_of
 from standfast.mechanics.joints import Stiffness
 from standfast.numerics.arrays import Scalar, Vector
 from standfast.parameters import PARAMETERS, STIFFNESS_UNIT, STIFFNESSES, label
-from standfast.stability import fast
+from standfast.stability import fast, springs
 from standfast.stability.exact import SCALING_ROUNDING, exact_threshold
 from standfast.stability.margins import safety_factor, stability_determinant, stiffness_reserve
 from standfast.stability.modes import frequency, growth_rate, modes, ratio_to_ankle
 from standfast.stability.rounding import threshold_interval
-from standfast.stability.springs import (
-    critical_ankle_stiffness,
-    critical_hip_stiffness,
-    critical_knee_stiffness,
-    verdict,
-)
 
 
 class Person(NamedTuple):
@@ -159,7 +153,7 @@ _TABLE = (
         "",
         "1",
         "verdict: the person stands",
-        of_springs(verdict),
+        of_springs(springs.verdict),
         dtype="uint8",
         step=STANDING,
         flags=("unstable", "stable"),
@@ -171,9 +165,9 @@ _TABLE = (
         "determinant of the stiffness matrix",
         of_springs(stability_determinant),
     ),
-    _threshold("ankle", critical_ankle_stiffness, "knee", "hip"),
-    _threshold("knee", critical_knee_stiffness, "ankle", "hip"),
-    _threshold("hip", critical_hip_stiffness, "ankle", "knee"),
+    _threshold("ankle", springs.critical_ankle_stiffness, "knee", "hip"),
+    _threshold("knee", springs.critical_knee_stiffness, "ankle", "hip"),
+    _threshold("hip", springs.critical_hip_stiffness, "ankle", "knee"),
     Quantity(
         "stiffness_reserve",
         r"\lambda_{\min}(C)",

@@ -100,18 +100,13 @@ def joint_moments(
     angles = segment_angles(rotation)
     rates = segment_angles(velocity)
     turning = segment_angles(acceleration)
-    on_segments = [
-        sum(
-            inertia[i][j]
-            * (
-                xp.cos(angles[i] - angles[j]) * turning[j]
-                + xp.sin(angles[i] - angles[j]) * rates[j] ** 2
-            )
-            for j in range(3)
+    on_segments = []
+    for row, angle, load in zip(inertia, angles, gravity_loads(body, gravity), strict=True):
+        moment = sum(
+            entry * (xp.cos(angle - other) * turn + xp.sin(angle - other) * rate**2)
+            for entry, other, rate, turn in zip(row, angles, rates, turning, strict=True)
         )
-        - load * xp.sin(angles[i])
-        for i, load in enumerate(gravity_loads(body, gravity))
-    ]
+        on_segments.append(moment - load * xp.sin(angle))
     springs = [_spring_moment(xp, k, angle) for k, angle in zip(stiffness, rotation, strict=True)]
     return xp.stack([springs[i] + sum(on_segments[i:]) for i in range(3)])
 

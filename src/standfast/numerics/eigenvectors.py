@@ -35,22 +35,18 @@ def spring_eigenvectors(
         (s[0] * s[2] * w[2][0], s[1] * s[2] * w[2][1], 1.0),
     )
     r = inverse_of_cholesky(unit)
-    inverse = inverse_of_cholesky(metric)
+    (i11, _, _), (i21, i22, _), (i31, i32, i33) = inverse_of_cholesky(metric)
     # L from its inverse, lower triangular: the diagonal is reciprocal, the rest by substitution
-    l11, l22, l33 = 1.0 / inverse[0][0], 1.0 / inverse[1][1], 1.0 / inverse[2][2]
-    l21 = -l22 * inverse[1][0] * l11
-    l32 = -l33 * inverse[2][1] * l22
-    l31 = -l33 * (inverse[2][0] * l11 + inverse[2][1] * l21)
+    l11, l22, l33 = 1.0 / i11, 1.0 / i22, 1.0 / i33
+    l21 = -l22 * i21 * l11
+    l32 = -l33 * i32 * l22
+    l31 = -l33 * (i31 * l11 + i32 * l21)
     x = (
         matvec(r, (s[0] * l11, s[1] * l21, s[2] * l31)),
         matvec(r, (0.0, s[1] * l22, s[2] * l32)),
         matvec(r, (0.0, 0.0, s[2] * l33)),
     )
-    back = (
-        (inverse[0][0], inverse[1][0], inverse[2][0]),
-        (0.0, inverse[1][1], inverse[2][1]),
-        (0.0, 0.0, inverse[2][2]),
-    )
+    back = ((i11, i21, i31), (0.0, i22, i32), (0.0, 0.0, i33))
     rigid1, rigid2, rigid3 = (xp.isinf(k) for k in springs)
 
     def shape(u: Vector) -> Vector:

@@ -65,12 +65,13 @@ def _roots(
     xp = namespace(*body, *stiffness, gravity)
     (g1, g2, g3), _, _ = joint_gravity(body, gravity)
     (a11, a12, a13), (_, a22, a23), (_, _, a33) = inertia
-    (n11, n22, n33), _, per_volume = _adjugate(inertia)
+    (n11, n22, n33), (n12, n13, n23), per_volume = _adjugate(inertia)
     (c11, _, _), (_, c22, _), (_, _, c33) = stiffness_rows(body, stiffness, gravity)
     slope2 = a11 * c22 + a22 * c11 + 2.0 * a12 * g2
     rest2 = a33 * (c11 * c22 - g2**2) - (a11 + a22 - 2.0 * a12) * g3**2
     rest2 = rest2 + 2.0 * g3 * (a13 * (g2 + c22) + a23 * (g2 + c11))
-    e1 = _trace(body, stiffness, gravity, inertia)
+    rest1 = n11 * c11 + n22 * c22 - 2.0 * (n12 * g2 + (n13 + n23) * g3)
+    e1 = (n33 * per_volume) * c33 + rest1 * per_volume
     e2 = (slope2 * per_volume) * c33 + rest2 * per_volume
     e3 = determinant_in_pairs(body, stiffness, gravity) * per_volume
 
@@ -102,15 +103,6 @@ def _roots(
         & (moves_by(high) < abs(high) * above * across)
     )
     return low, middle, high, ~certain
-
-
-def _trace(body: Body, stiffness: Stiffness, gravity: Scalar, inertia: Matrix) -> Scalar:
-    """Return tr A⁻¹C (rad²/s²)."""
-    (c11, _, _), (_, c22, _), (_, _, c33) = stiffness_rows(body, stiffness, gravity)
-    (_, g2, g3), _, _ = joint_gravity(body, gravity)
-    (n11, n22, n33), (n12, n13, n23), per_volume = _adjugate(inertia)
-    of_others = n11 * c11 + n22 * c22 - 2.0 * (n12 * g2 + (n13 + n23) * g3)
-    return (n33 * per_volume) * c33 + of_others * per_volume
 
 
 def _adjugate(inertia: Matrix) -> tuple[Vector, Vector, Scalar]:

@@ -6,14 +6,8 @@ notation: C stiffness matrix, G its gravity part, K stiffness (Gait & Posture 25
 import numpy as np
 
 from standfast.anthropometry.body import Body
+from standfast.mechanics import matrices
 from standfast.mechanics.joints import Stiffness, checked_person
-from standfast.mechanics.matrices import (
-    gravity_load_pairs,
-    gravity_loads,
-    joint_gravity,
-    second_variation,
-    stiffness_rows,
-)
 from standfast.numerics import eigenvectors
 from standfast.numerics.arrays import ROUNDOFF, Scalar, namespace
 from standfast.numerics.cubic import largest_root
@@ -36,7 +30,7 @@ def stability_determinant(
         if gravity is out of range.
     """
     xp = checked_person(body, stiffness, gravity)
-    (c11, c12, c13), (_, c22, c23), (_, _, c33) = stiffness_rows(body, stiffness, gravity)
+    (c11, c12, c13), (_, c22, c23), (_, _, c33) = matrices.stiffness_rows(body, stiffness, gravity)
     # a rigid joint is taken out: its row and column are those of 1
     no_ankle, no_knee, no_hip = (xp.isinf(k) for k in stiffness)
     c11 = xp.where(no_ankle, 1.0, c11)
@@ -58,7 +52,7 @@ def determinant_in_pairs(body: Body, stiffness: Stiffness, gravity: Scalar) -> S
     det C = c33 (c11 c22 − G2²) − G3² (c11 + c22 + 2 G2), summed in pairs of float64.
     """
     xp = namespace(*body, *stiffness, gravity)
-    shank, thigh, g3 = gravity_load_pairs(body, gravity)
+    shank, thigh, g3 = matrices.gravity_load_pairs(body, gravity)
     g2 = add(thigh, g3)
     g1 = add(shank, g2)
     c11, c22, c33 = (
@@ -84,10 +78,11 @@ def stiffness_reserve(
         if gravity is out of range.
     """
     checked_person(body, stiffness, gravity)
-    load = joint_gravity(body, gravity)
+    load = matrices.joint_gravity(body, gravity)
     shift = load[0][0] + load[1][1] + load[2][2]
     softest = eigenvectors.spring_eigenvectors(stiffness, load, eigenvectors.IDENTITY, shift)[0]
-    quotient = second_variation(body, stiffness, gravity, softest) / dot(softest, softest)
+    lost = matrices.second_variation(body, stiffness, gravity, softest)
+    quotient = lost / dot(softest, softest)
     return signed_by(verdict(body, stiffness, gravity), unless_all_rigid(stiffness, quotient))
 
 
@@ -107,10 +102,10 @@ def safety_factor(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_G
         if gravity is out of range.
     """
     xp = checked_person(body, stiffness, gravity)
-    shank, thigh, upper = gravity_loads(body, gravity)
+    shank, thigh, upper = matrices.gravity_loads(body, gravity)
     below = thigh + upper
-    # a joint as good as free would overflow the determinant
-    ankle, knee, hip = (1.0 / xp.maximum(xp.asarray(k), ALMOST_FREE) for k in stiffness)
+    # a joint as good as free, below 1e-60 N·m/rad, would overflow the determinant
+    ankle, knee, hip = (1.0 / xp.maximum(xp.asarray(k), 1e-60) for k in stiffness)
     trace = (shank + below) * ankle + below * knee + upper * hip
     minors = ankle * (shank * below * knee + (shank + thigh) * upper * hip)
     minors = minors + thigh * upper * knee * hip
@@ -122,9 +117,6 @@ def safety_factor(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_G
     # within rounding of 1 the verdict decides
     above, below = xp.maximum(factor, 1.0 + 2.0 * ROUNDOFF), xp.minimum(factor, 1.0)
     return xp.where(verdict(body, stiffness, gravity), above, below)[()]
-
-
-ALMOST_FREE = 1e-60  # N·m/rad
 
 
 def signed_by(stable: Scalar, value: Scalar) -> Scalar:

@@ -12,20 +12,20 @@ Value: TypeAlias = float | str | list[float] | list[str] | dict[str, Any]
 
 def json_value(value: Any) -> Any:
     """Return a value in words of JSON, which has no infinity."""
-    if isinstance(value, Mapping):
-        return {key: json_value(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [json_value(item) for item in value]
-    return "inf" if value == math.inf else value
+    return _replaced(value, math.inf, "inf")
 
 
 def from_json(given: Any) -> Any:
     """Turn the canonical ``"inf"`` back into a number."""
-    if isinstance(given, Mapping):
-        return {key: from_json(item) for key, item in given.items()}
-    if isinstance(given, list):
-        return [from_json(item) for item in given]
-    return math.inf if given == "inf" else given
+    return _replaced(given, "inf", math.inf)
+
+
+def _replaced(value: Any, old: object, new: object) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _replaced(item, old, new) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_replaced(item, old, new) for item in value]
+    return new if value == old else value
 
 
 def canonical_text(content: Mapping[str, Any]) -> str:

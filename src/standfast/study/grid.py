@@ -64,8 +64,7 @@ class Group:
     @property
     def tile_work(self) -> int:
         """What a tile counts in a shard."""
-        work = WORK_OF_STEPS if self.by_steps else WORK_OF_NUMBERS
-        return work * len(self.quantities)
+        return (WORK_OF_STEPS if self.by_steps else WORK_OF_NUMBERS) * len(self.quantities)
 
     @property
     def points(self) -> int:
@@ -78,12 +77,8 @@ class Group:
 
     def inside(self, tile: Tile) -> tuple[slice, ...]:
         """Return the part of the tile's chunk that lies inside the grid."""
-        return tuple(
-            slice(min(side, length - first))
-            for side, length, first in zip(
-                self.chunk_shape, self.shape, self.start(tile), strict=True
-            )
-        )
+        sides = zip(self.chunk_shape, self.shape, self.start(tile), strict=True)
+        return tuple(slice(min(side, length - first)) for side, length, first in sides)
 
 
 @dataclass(frozen=True)
@@ -138,11 +133,7 @@ class Grid:
 
     def tile(self, group: int, number: int) -> Tile:
         """Return a tile by its number within its group."""
-        chunk: list[int] = []
-        for count in reversed(self.groups[group].chunks):
-            number, index = divmod(number, count)
-            chunk.insert(0, index)
-        return Tile(group, tuple(chunk))
+        return Tile(group, tuple(map(int, np.unravel_index(number, self.groups[group].chunks))))
 
     def values_of(self, tile: Tile) -> int:
         """Return how many values of a tile lie inside the grid."""

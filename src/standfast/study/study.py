@@ -17,17 +17,10 @@ import numpy as np
 from standfast.errors import InputError
 from standfast.parameters import PARAMETERS
 from standfast.quantities import QUANTITIES
+from standfast.study import values
 from standfast.study.canonical import Value, canonical_text, describe, fingerprint_of, from_json
 from standfast.study.grid import Grid
 from standfast.study.toml import read_toml
-from standfast.study.values import (
-    axis_values,
-    check_complete,
-    checked_parameters,
-    checked_quantities,
-    checked_title,
-    checked_value,
-)
 
 LARGEST_GRID = 10**13  # three hours at a billion verdicts a second
 
@@ -75,9 +68,9 @@ class Study:
         """
         if isinstance(content, Mapping) and "population" in content:
             raise InputError("this is the study of a population; run: standfast population")
-        title = checked_title(content) if isinstance(content, Mapping) else ""
-        parameters = checked_parameters(content)
-        study = cls(title, parameters, checked_quantities(content.get("output", {})))
+        title = values.checked_title(content) if isinstance(content, Mapping) else ""
+        parameters = values.checked_parameters(content)
+        study = cls(title, parameters, values.checked_quantities(content.get("output", {})))
         study.check_size()
         return study
 
@@ -97,34 +90,30 @@ class Study:
             raise unreadable from None
         if not isinstance(content, dict) or set(content) != {"title", "parameters", "quantities"}:
             raise unreadable
-        if not isinstance(content["parameters"], dict):
+        given = content["parameters"]
+        if not isinstance(given, dict) or not {"body_model", "gravity"} <= set(given) <= set(
+            PARAMETERS
+        ):
             raise unreadable
-        parameters: dict[str, Value] = {}
-        for name, given in content["parameters"].items():
-            if name not in PARAMETERS:
-                raise unreadable
-            parameters[name] = checked_value(name, PARAMETERS[name], from_json(given))
-        if not {"body_model", "gravity"} <= set(parameters):
-            raise unreadable
-        check_complete(parameters)
-        study = cls(
-            str(content["title"]),
-            parameters,
-            checked_quantities({"quantities": content["quantities"]}),
-        )
+        parameters = {
+            name: values.checked_value(name, PARAMETERS[name], from_json(value))
+            for name, value in given.items()
+        }
+        values.check_complete(parameters)
+        wanted = values.checked_quantities({"quantities": content["quantities"]})
+        study = cls(str(content["title"]), parameters, wanted)
         study.check_size()
         return study
 
     @cached_property
     def canonical(self) -> str:
         """The one canonical text of this study: JSON without spaces, infinity as ``"inf"``."""
-        return canonical_text(
-            {
-                "title": self.title,
-                "parameters": self.parameters,
-                "quantities": list(self.quantities),
-            }
-        )
+        content = {
+            "title": self.title,
+            "parameters": self.parameters,
+            "quantities": self.quantities,
+        }
+        return canonical_text(content)
 
     @cached_property
     def fingerprint(self) -> str:
@@ -134,18 +123,14 @@ class Study:
     @cached_property
     def axes(self) -> dict[str, np.ndarray]:
         """The parameters that vary, in the study's order, with their values."""
-        return {
-            name: values
-            for name, value in self.parameters.items()
-            if (values := axis_values(value)) is not None
-        }
+        spread = {name: values.axis_values(value) for name, value in self.parameters.items()}
+        return {name: axis for name, axis in spread.items() if axis is not None}
 
     @cached_property
     def fixed(self) -> dict[str, float | str]:
         """The parameters that have one value."""
-        return {
-            name: value for name, value in self.parameters.items() if isinstance(value, float | str)
-        }
+        given = self.parameters.items()
+        return {name: value for name, value in given if isinstance(value, float | str)}
 
     def axes_of(self, quantity: str) -> tuple[str, ...]:
         """Return the axes that a quantity depends on, in the study's order."""
@@ -170,10 +155,8 @@ class Study:
     @property
     def raw_bytes(self) -> int:
         """Size of all values before compression."""
-        return sum(
-            group.points * len(group.quantities) * group.dtype.itemsize
-            for group in self.grid.groups
-        )
+        groups = self.grid.groups
+        return sum(group.points * len(group.quantities) * group.dtype.itemsize for group in groups)
 
     def check_size(self) -> None:
         """Refuse a grid that no one would live to see.
@@ -196,18 +179,13 @@ class Study:
         changes: list[str] = []
         if self.title != other.title:
             changes.append(f"title: {other.title!r} there, {self.title!r} here")
-        names = list(dict.fromkeys([*other.parameters, *self.parameters]))
-        pairs = {name: (other.parameters.get(name), self.parameters.get(name)) for name in names}
-        changes += [
-            f"{name}: {describe(there)} there, {describe(here)} here"
-            for name, (there, here) in pairs.items()
-            if there != here
-        ]
+        for name in dict.fromkeys([*other.parameters, *self.parameters]):
+            there, here = other.parameters.get(name), self.parameters.get(name)
+            if there != here:
+                changes.append(f"{name}: {describe(there)} there, {describe(here)} here")
         if self.quantities != other.quantities:
-            changes.append(
-                f"quantities: {', '.join(other.quantities)} there, "
-                f"{', '.join(self.quantities)} here"
-            )
+            theirs, ours = ", ".join(other.quantities), ", ".join(self.quantities)
+            changes.append(f"quantities: {theirs} there, {ours} here")
         if not changes and list(self.parameters) != list(other.parameters):
             changes.append("the order of the parameters")
         return "; ".join(changes)

@@ -8,13 +8,7 @@ from standfast.errors import InputError
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:
-    """Return the content of a study file.
-
-    Raises
-    ------
-    InputError
-        if the file is not readable or not TOML.
-    """
+    """Return the content of a study file."""
     path = Path(path)
     try:
         text = path.read_text(encoding="utf-8")
@@ -29,7 +23,8 @@ def read_toml(path: str | Path) -> dict[str, Any]:
         raise InputError(f"{path} cannot be read: {error.strerror}") from None
     try:
         return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{path} is not valid TOML: {error}") from None
-    except ValueError as error:  # an integer of thousands of digits
+    except (
+        ValueError,
+        RecursionError,
+    ) as error:  # an integer of thousands of digits too
         raise InputError(f"{path} is not valid TOML: {error}") from None

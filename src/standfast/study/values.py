@@ -16,7 +16,6 @@ from standfast.parameters import PARAMETERS, Parameter, checked_choice, checked_
 from standfast.quantities import QUANTITIES
 from standfast.study.canonical import Value
 
-OUTPUT_KEYS = ("quantities",)
 RANGE_KEYS = ("start", "stop", "num", "spacing")
 SPACINGS = ("linear", "log")
 LONGEST_AXIS = 10_000_000
@@ -161,13 +160,10 @@ def check_complete(parameters: Mapping[str, Value]) -> None:
         have = "both are given" if "mass" in parameters else "neither is given"
         raise InputError(f"body needs mass or bmi, one of them; {have}")
     if "bmi" in parameters:
-        extremes = [
-            (bmi * height**2, bmi, height)
-            for bmi in _ends(parameters["bmi"])
-            for height in _ends(parameters["height"])
-        ]
         row = PARAMETERS["mass"]
-        for mass, bmi, height in extremes:
+        bmis, heights = _ends(parameters["bmi"]), _ends(parameters["height"])
+        for bmi, height in itertools.product(bmis, heights):
+            mass = bmi * height**2
             if not row.lowest <= mass <= row.highest:
                 raise InputError(
                     f"body.bmi = {bmi:g} at a height of {height:g} m is a mass of {mass:g} kg, "
@@ -182,7 +178,7 @@ def _ends(value: Value) -> tuple[float, ...]:
 
 def checked_quantities(given: Any) -> tuple[str, ...]:
     """Check the table of outputs; return the names of the quantities."""
-    known_keys("[output]", given, OUTPUT_KEYS)
+    known_keys("[output]", given, ("quantities",))
     names = given.get("quantities", ["stable"])
     if not isinstance(names, list | tuple):
         raise InputError(f"output.quantities = {shortened(names)} is not a list of quantities")

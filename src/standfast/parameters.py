@@ -121,7 +121,6 @@ _TABLE = (
 PARAMETERS = {row.name: row for row in _TABLE}
 
 # The parts of a body that is given segment by segment: shank, thigh, upper body.
-# The parts of a body that is given segment by segment: shank, thigh, upper body.
 _SEGMENT_TABLE = (
     Parameter("segment_mass", "m", "kg", "mass of a segment, both legs", 1e-3, 700.0),
     Parameter("segment_inertia", "I", "kg·m²", "inertia about its centre of mass", 1e-6, 1000.0),

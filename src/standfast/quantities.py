@@ -137,12 +137,8 @@ eigenvalues_of = of_springs(fast.fast_eigenvalues)
 
 STANDING = Step(
     along="ankle_stiffness",
-    interval=lambda person: threshold_interval(
-        person.body,
-        person.stiffness.knee,
-        person.stiffness.hip,
-        person.gravity,
-        scaling=SCALING_ROUNDING,
+    interval=lambda one: threshold_interval(
+        one.body, one.stiffness.knee, one.stiffness.hip, one.gravity, scaling=SCALING_ROUNDING
     ),
     exact=exact_threshold,
 )

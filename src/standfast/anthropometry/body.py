@@ -57,20 +57,13 @@ class Body(_BodyFields):
         cls, segment_mass: Any, segment_inertia: Any, segment_length: Any, segment_com: Any
     ) -> "Body":
         """Check every plain value and keep it as a read-only float64 array."""
-        return super().__new__(
-            cls,
-            _checked_segments("segment_mass", segment_mass, 3),
-            _checked_segments("segment_inertia", segment_inertia, 3),
-            _checked_segments("segment_length", segment_length, 2),
-            _checked_segments("segment_com", segment_com, 3),
-        )
+        parts = (segment_mass, segment_inertia, segment_length, segment_com)
+        return super().__new__(cls, *map(_checked_segments, cls._fields, parts, (3, 3, 2, 3)))
 
     def __eq__(self, other: object) -> bool:
-        """Return whether all values are equal."""
         return isinstance(other, Body) and all(map(np.array_equal, self, other))
 
     def __ne__(self, other: object) -> bool:
-        """Return whether any value differs."""
         return not self == other
 
     __hash__ = None  # type: ignore[assignment] # arrays have none either

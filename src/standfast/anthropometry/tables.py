@@ -1,11 +1,10 @@
 """Segment parameters from the literature, as fractions of body mass, stature and segment length."""
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 
-@dataclass(frozen=True, slots=True)
-class SegmentRow:
+class SegmentRow(NamedTuple):
     """One row of a table of segment parameters; fractions, so without units.
 
     ``mass`` is of one limb, as a fraction of body mass; ``length`` a fraction of stature; ``com``

@@ -31,10 +31,7 @@ class Stiffness(_StiffnessFields):
 
     def __new__(cls, ankle: Any, knee: Any, hip: Any) -> "Stiffness":
         """Check every plain value and keep it as a float."""
-        return super().__new__(
-            cls,
-            *map(checked_leaf, STIFFNESSES, (ankle, knee, hip)),
-        )
+        return super().__new__(cls, *map(checked_leaf, STIFFNESSES, (ankle, knee, hip)))
 
     def _replace(self, **changes: Any) -> "Stiffness":
         """Return the stiffnesses with some changed, checked like any others."""

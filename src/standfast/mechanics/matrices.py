@@ -117,11 +117,10 @@ def second_variation(body: Body, stiffness: Stiffness, gravity: Scalar, rotation
     stores nothing: its rotation is 0.
     """
     xp = namespace(*body, *stiffness, gravity, *rotation)
-    total: Pair = (xp.asarray(0.0), xp.asarray(0.0))
+    total = angle = (xp.asarray(0.0), xp.asarray(0.0))
     for k, turn in zip(stiffness, rotation, strict=True):
         flexible = xp.where(xp.isinf(k), 0.0, k)
         total = add(total, multiply(product(turn, turn), (flexible, 0.0)))
-    angle: Pair = (xp.asarray(0.0), xp.asarray(0.0))
     for load, turn in zip(gravity_load_pairs(body, gravity), rotation, strict=True):
         angle = add(angle, (turn, 0.0))
         total = add(total, negate(multiply(load, multiply(angle, angle))))

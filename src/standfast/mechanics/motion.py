@@ -42,10 +42,8 @@ def potential_energy(body: Body, stiffness: Stiffness, gravity: Scalar, rotation
     turned = zip(stiffness, rotation, strict=True)
     springs = sum(0.5 * _spring_moment(xp, k, angle) * angle for k, angle in turned)
     # 1 − cos φ as 2 sin²(φ/2), which keeps its digits at small angles
-    drop = sum(
-        load * 2.0 * xp.sin(0.5 * angle) ** 2
-        for load, angle in zip(gravity_loads(body, gravity), segment_angles(rotation), strict=True)
-    )
+    segments = zip(gravity_loads(body, gravity), segment_angles(rotation), strict=True)
+    drop = sum(load * 2.0 * xp.sin(0.5 * angle) ** 2 for load, angle in segments)
     return springs - drop
 
 

@@ -30,7 +30,10 @@ def exact_threshold(parameters: Mapping[str, Any]) -> Fraction | None:
     """
     names = {"height", "mass", "bmi", "gravity"} & parameters.keys()
     given: dict[str, Any] = {name: Fraction(parameters[name]) for name in names}
-    given["body_model"] = _in_fractions(REFERENCE_PEOPLE[str(parameters["body_model"])])
+    person = REFERENCE_PEOPLE[str(parameters["body_model"])]
+    parts = ([Fraction(float(value)) for value in part] for part in person.body)
+    body = Body._make(np.array(part, object) for part in parts)
+    given["body_model"] = ReferencePerson(body, Fraction(person.height), Fraction(person.mass))
     shank, thigh, upper = gravity_loads(body_of(given), given["gravity"])
     load: Fraction = upper
     for joint, segment in (("hip", thigh), ("knee", shank)):
@@ -41,10 +44,3 @@ def exact_threshold(parameters: Mapping[str, Any]) -> Fraction | None:
             load *= Fraction(spring) / (Fraction(spring) - load)
         load += segment
     return load
-
-
-def _in_fractions(person: ReferencePerson) -> ReferencePerson:
-    """Return a reference person in fractions."""
-    parts = ([Fraction(float(value)) for value in part] for part in person.body)
-    body = Body._make(np.array(part, object) for part in parts)
-    return ReferencePerson(body, Fraction(person.height), Fraction(person.mass))

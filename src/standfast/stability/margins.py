@@ -55,9 +55,8 @@ def determinant_in_pairs(body: Body, stiffness: Stiffness, gravity: Scalar) -> S
     shank, thigh, g3 = matrices.gravity_load_pairs(body, gravity)
     g2 = add(thigh, g3)
     g1 = add(shank, g2)
-    c11, c22, c33 = (
-        add((xp.asarray(k), 0.0), negate(g)) for k, g in zip(stiffness, (g1, g2, g3), strict=True)
-    )
+    joints = zip(stiffness, (g1, g2, g3), strict=True)
+    c11, c22, c33 = (add((xp.asarray(k), 0.0), negate(g)) for k, g in joints)
     of_hip = add(multiply(c11, c22), negate(multiply(g2, g2)))
     rest = multiply(multiply(g3, g3), add(add(c11, c22), add(g2, g2)))
     return difference_of_products(c33, of_hip, rest)

@@ -67,11 +67,10 @@ def modes(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY) 
     values, shapes = [], []
     for number, vector in enumerate(vectors):
         finite = rigid + number < 3
-        shape = _scaled_to_ankle(stiffness, vector)
         inertial = 2.0 * kinetic_energy(body, (0.0, 0.0, 0.0), vector)
         quotient = second_variation(body, stiffness, gravity, vector) / inertial
         values.append(xp.where(finite, quotient, xp.inf))
-        shapes.append([xp.where(finite, turn, 0.0) for turn in shape])
+        shapes.append([xp.where(finite, turn, 0.0) for turn in _scaled_to_ankle(stiffness, vector)])
     low, middle, high = _ascending(*values)
     low = signed_by(verdict(body, stiffness, gravity), low)
     return Modes(xp.stack([low, middle, high]), xp.stack([xp.stack(s) for s in shapes], axis=-1))

@@ -29,11 +29,9 @@ def load_rounding(
     hip_error = 2.0 * ROUNDOFF + scaling
     knee_error = _error_after(at_hip, hip_error, stiffness.hip, own=3.0 * ROUNDOFF + scaling)
     ankle_error = _error_after(at_knee, knee_error, stiffness.knee, own=4.0 * ROUNDOFF + scaling)
-    return (
-        xp.where(xp.isinf(at_ankle), xp.inf, at_ankle * ankle_error),
-        xp.where(xp.isinf(at_knee), xp.inf, at_knee * knee_error),
-        at_hip * hip_error,
-    )
+    of_ankle = xp.where(xp.isinf(at_ankle), xp.inf, at_ankle * ankle_error)
+    of_knee = xp.where(xp.isinf(at_knee), xp.inf, at_knee * knee_error)
+    return of_ankle, of_knee, at_hip * hip_error
 
 
 # Covers the products of two errors, which the first-order bound leaves out, and the rounding of
@@ -75,12 +73,9 @@ def threshold_interval(
     knee_fails = known & (knee < at_knee - knee_error)
     holds = known & (knee > at_knee + knee_error) & xp.isfinite(ankle_error)
     falls = hip_fails | knee_fails
-    low, high = at_ankle - ankle_error, at_ankle + ankle_error
-    return (
-        at_ankle,
-        xp.where(falls, xp.inf, xp.where(holds, low, 0.0)),
-        xp.where(falls, xp.inf, xp.where(holds, high, xp.inf)),
-    )
+    low = xp.where(holds, at_ankle - ankle_error, 0.0)
+    high = xp.where(holds, at_ankle + ankle_error, xp.inf)
+    return at_ankle, xp.where(falls, xp.inf, low), xp.where(falls, xp.inf, high)
 
 
 def verdict_is_certain(

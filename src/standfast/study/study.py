@@ -91,9 +91,8 @@ class Study:
         if not isinstance(content, dict) or set(content) != {"title", "parameters", "quantities"}:
             raise unreadable
         given = content["parameters"]
-        if not isinstance(given, dict) or not {"body_model", "gravity"} <= set(given) <= set(
-            PARAMETERS
-        ):
+        least = {"body_model", "gravity"}
+        if not isinstance(given, dict) or not least <= given.keys() <= PARAMETERS.keys():
             raise unreadable
         parameters = {
             name: values.checked_value(name, PARAMETERS[name], from_json(value))
@@ -108,12 +107,9 @@ class Study:
     @cached_property
     def canonical(self) -> str:
         """The one canonical text of this study: JSON without spaces, infinity as ``"inf"``."""
-        content = {
-            "title": self.title,
-            "parameters": self.parameters,
-            "quantities": self.quantities,
-        }
-        return canonical_text(content)
+        return canonical_text(
+            {"title": self.title, "parameters": self.parameters, "quantities": self.quantities}
+        )
 
     @cached_property
     def fingerprint(self) -> str:
@@ -134,8 +130,7 @@ class Study:
 
     def axes_of(self, quantity: str) -> tuple[str, ...]:
         """Return the axes that a quantity depends on, in the study's order."""
-        needed = QUANTITIES[quantity].depends_on
-        return tuple(name for name in self.axes if name in needed)
+        return tuple(name for name in self.axes if name not in QUANTITIES[quantity].without)
 
     @cached_property
     def grid(self) -> Grid:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from standfast.anthropometry.body import Body, body_of
 from standfast.mechanics.joints import Stiffness
 from standfast.numerics.arrays import Scalar, Vector
-from standfast.parameters import PARAMETERS, STIFFNESS_UNIT, STIFFNESSES, label
+from standfast.parameters import STIFFNESS_UNIT, STIFFNESSES, label
 from standfast.stability import fast, springs
 from standfast.stability.exact import SCALING_ROUNDING, exact_threshold
 from standfast.stability.margins import safety_factor, stability_determinant, stiffness_reserve
@@ -80,11 +80,6 @@ class Quantity:
     def label(self) -> str:
         """Axis label of a figure: words, symbol and unit."""
         return label(self.name.replace("_", " "), self.symbol, self.unit)
-
-    @property
-    def depends_on(self) -> tuple[str, ...]:
-        """Names of the parameters on which it depends."""
-        return tuple(name for name in PARAMETERS if name not in self.without)
 
 
 def of_springs(function: Callable[[Body, Stiffness, Scalar], Any]) -> Callable[[Person], Any]:

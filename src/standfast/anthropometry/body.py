@@ -178,7 +178,7 @@ REFERENCE_PEOPLE = {
             segment_com=(0.245, 0.244, 0.356),
         ),
     ),
-    "winter": _unit_person(WINTER, WINTER["upper body"].moments),
+    "winter": _unit_person(WINTER, WINTER["upper body"].mass_com_inertia),
     **{model: _unit_person(table, upper_body(model)) for model, table in DE_LEVA.items()},
 }
 

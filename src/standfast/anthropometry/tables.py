@@ -35,8 +35,8 @@ class SegmentRow(NamedTuple):
         return self.total_mass * (self.gyration * self.length) ** 2
 
     @property
-    def moments(self) -> tuple[float, float, float]:
-        """Mass, centre of mass and inertia."""
+    def mass_com_inertia(self) -> tuple[float, float, float]:
+        """What :func:`upper_body` returns of several segments."""
         return self.total_mass, self.com_above_lower_end, self.inertia
 
 

@@ -23,8 +23,5 @@ def read_toml(path: str | Path) -> dict[str, Any]:
         raise InputError(f"{path} cannot be read: {error.strerror}") from None
     try:
         return tomllib.loads(text)
-    except (
-        ValueError,
-        RecursionError,
-    ) as error:  # an integer of thousands of digits too
+    except (ValueError, RecursionError) as error:  # of TOML, or an integer of thousands of digits
         raise InputError(f"{path} is not valid TOML: {error}") from None

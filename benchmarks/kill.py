@@ -81,7 +81,7 @@ quantities = ["critical_ankle_stiffness", "critical_hip_stiffness"]
 # Shards are made small, so that seconds of work have several.
 SHARD_WORK = 16
 RUN = (
-    "import sys; from standfast.study import grid; from standfast.cli import main; "
+    "import sys; from standfast.study import grid; from standfast.cli.app import main; "
     f"grid.SHARD_WORK = {SHARD_WORK}; sys.exit(main(sys.argv[1:]))"
 )
 

@@ -31,7 +31,7 @@ def standfast_command(*arguments, cwd=None):
 
 def test_help_has_an_example_and_imports_neither_jax_nor_matplotlib():
     code = (
-        "import sys; from standfast.cli import main\n"
+        "import sys; from standfast.cli.app import main\n"
         "try: main(['--help'])\n"
         "except SystemExit: pass\n"
         "heavy = {'jax', 'matplotlib', 'h5py'} & set(sys.modules)\n"
@@ -52,7 +52,7 @@ def test_what_only_reads_starts_without_jax(place, monkeypatch):
         ("plot", {"jax", "scipy", "matplotlib.pyplot"}),
     ):
         code = (
-            f"import sys; from standfast.cli import main; main([{command!r}, 'study.h5'])\n"
+            f"import sys; from standfast.cli.app import main; main([{command!r}, 'study.h5'])\n"
             f"heavy = {needless} & set(sys.modules)\n"
             "sys.exit(f'imported {heavy}' if heavy else 0)"
         )

@@ -6,6 +6,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
+from matplotlib.image import AxesImage, PcolorImage
 
 from standfast.figures.style import BLUE, GREY, LINE_STYLES, VERMILION, remark
 from standfast.parameters import PARAMETERS
@@ -139,23 +140,25 @@ def quantity_map(
     *,
     limits: tuple[float, float],
     stable: np.ndarray | None = None,
-) -> QuadMesh:
+) -> AxesImage | PcolorImage | QuadMesh:
     """Draw values (len(y), len(x)) as a map; where ``stable`` is False, it is hatched."""
-    mesh = ax.pcolormesh(
-        x,
-        y,
-        values,
-        cmap="cividis",
-        vmin=limits[0],
-        vmax=limits[1],
-        shading="nearest",
-        rasterized=True,
+    # an image where the axes are even, which is drawn ten times as fast as a mesh
+    drawn = ax.pcolorfast(
+        _edges(x), _edges(y), values, cmap="cividis", vmin=limits[0], vmax=limits[1]
     )
+    drawn.set_rasterized(True)
     if stable is not None and stable.any() and not stable.all():
         with mpl.rc_context({"hatch.color": "white", "hatch.linewidth": 0.4}):
             ax.contourf(x, y, ~stable, levels=[0.5, 1.5], colors="none", hatches=["////"])
         ax.contour(x, y, stable, levels=[0.5], colors="black", linewidths=1.2)
-    return mesh
+    return drawn
+
+
+def _edges(middles: np.ndarray) -> np.ndarray:
+    """Return the edges of cells around the values of an axis."""
+    between = (middles[1:] + middles[:-1]) / 2.0
+    first, last = 2.0 * middles[0] - between[0], 2.0 * middles[-1] - between[-1]
+    return np.concatenate([[first], between, [last]])
 
 
 def strategy_regions(

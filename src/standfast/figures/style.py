@@ -59,6 +59,9 @@ NO_CLOCK: Any = {
     "pdf": {"CreationDate": None, "Producer": None, "Creator": None},
 }
 
+# Half of the time for a tenth more bytes.
+QUICKLY: Any = {"png": {"pil_kwargs": {"compress_level": 4}}, "svg": {}, "pdf": {}}
+
 
 def save(figure: Figure, stem: Path, formats: Sequence[str] = ("png", "svg")) -> list[Path]:
     """Write ``stem``.png and so on, each whole or not at all and without a clock inside."""
@@ -66,7 +69,7 @@ def save(figure: Figure, stem: Path, formats: Sequence[str] = ("png", "svg")) ->
     for suffix in formats:
         path = stem.with_name(f"{stem.name}.{suffix}")
         with whole_file(path) as partial:
-            figure.savefig(partial, format=suffix, metadata=NO_CLOCK[suffix])
+            figure.savefig(partial, format=suffix, metadata=NO_CLOCK[suffix], **QUICKLY[suffix])
         paths.append(path)
     return paths
 

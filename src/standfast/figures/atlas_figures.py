@@ -18,7 +18,6 @@ from standfast.figures import standing, style
 from standfast.parameters import PARAMETERS
 from standfast.quantities import QUANTITIES
 from standfast.study.study import Study
-from standfast.thresholds.closed_form import critical_hips
 from standfast.thresholds.contours import Contour, exact_contours
 from standfast.thresholds.planes import ANKLE, HIP, KNEE, PLANE_AXES, has_plane
 
@@ -145,7 +144,8 @@ def _plane_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -
         for ax in axes[len(planes) :]:
             ax.set_axis_off()
         for ax, (title, contour, values) in zip(axes, planes, strict=False):
-            stable = _above(contour, ankles, hips) if crossed else None
+            above = hips[:, None] > contour.plane.critical_hips(ankles)[None, :]
+            stable = above if crossed else None
             if name == "hip_ankle_ratio" and stable is not None:
                 standing.strategy_regions(ax, ankles, hips, values, stable)
             else:
@@ -194,12 +194,6 @@ def _curve_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -
             figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
         shown = {**kept, **{axis: {middle[axis]} for axis in rest}}
         return Drawing(style.save(figure, stem, formats), _left_out(study, shown))
-
-
-def _above(contour: Contour, ankles: np.ndarray, hips: np.ndarray) -> np.ndarray:
-    """Return where on a grid (hip, ankle) the person stands, in closed form."""
-    above: np.ndarray = hips[:, None] > critical_hips(contour.plane, ankles)[None, :]
-    return above
 
 
 def _thinned(study: Study, axes: Sequence[str], most: int) -> dict[str, set[int]]:

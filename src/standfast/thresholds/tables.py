@@ -23,15 +23,9 @@ def write_tables(study: Study, found: Iterable[Contour], stem: Path) -> list[Pat
     form or of the atlas. The HDF5 file has the group ``thresholds`` and in it a group a plane:
     ``closed_form`` (n, 2), ``contour`` (m, 2) with ``contour_starts``, and the plane's other
     parameters as attributes.
-
-    Raises
-    ------
-    OSError
-        if the disk does not take them.
     """
     others = [name for name in study.axes if name not in PLANE_AXES]
-    table = stem.with_name(f"{stem.name}.csv")
-    store = stem.with_name(f"{stem.name}.h5")
+    table, store = (stem.with_name(f"{stem.name}.{suffix}") for suffix in ("csv", "h5"))
     with (
         whole_file(table) as table_partial,
         whole_file(store) as store_partial,

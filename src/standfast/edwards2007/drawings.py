@@ -10,9 +10,10 @@ from standfast.edwards2007 import published as paper
 from standfast.figures import standing, style
 from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.motion import segment_angles
+from standfast.parameters import PARAMETERS
 from standfast.stability.modes import modes
 from standfast.stability.springs import equal_rotation
-from standfast.thresholds.planes import Plane
+from standfast.thresholds.planes import ANKLE, HIP, Plane
 
 # Where the drawn upper body ends: top of the head of a person of 1.753 m whose ankle is 0.039 of
 # stature above the floor (Winter, figure 4.1).
@@ -47,7 +48,7 @@ def draw_figure_3(body: Body, folder: Path) -> list[Path]:
         contours[name] = plane.limit_of_standing(steps, steps)
     with style.paper_figure(height=3.7) as (figure, (ax,)):
         standing.stability_contours(ax, contours, ankle_limits=limits, hip_limits=limits)
-        ax.set_aspect("equal")
+        ax.set(xlabel=PARAMETERS[ANKLE].label, ylabel=PARAMETERS[HIP].label, aspect="equal")
         ankle, hip = paper.ankle_alone(body), paper.hip_alone(body)
         ax.axvline(ankle, color=style.GREY, linewidth=0.6)
         ax.axhline(hip, color=style.GREY, linewidth=0.6)

@@ -1,6 +1,7 @@
 """Figures of one person or one grid: limits of standing, maps, modes."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -17,31 +18,12 @@ def root_locus(ax: Axes, hip_stiffness: np.ndarray, roots: np.ndarray) -> Axes:
     ax.axhline(0.0, color=GREY, linewidth=0.5)
     ax.axvline(0.0, color=GREY, linewidth=0.5)
     sway, fall = roots[swaying], roots[~swaying]
-    ax.plot(
-        sway.real.ravel(),
-        sway.imag.ravel(),
-        "o",
-        color=BLUE,
-        markersize=4.5,
-        label="sways (stable)",
-    )
-    ax.plot(
-        fall.real.max(axis=1),
-        0.0 * fall.real.max(axis=1),
-        "^",
-        color=VERMILION,
-        markersize=6,
-        label="growing root (falls)",
-    )
-    ax.plot(
-        fall.real.min(axis=1),
-        0.0 * fall.real.min(axis=1),
-        "v",
-        color=VERMILION,
-        markerfacecolor="none",
-        markersize=6,
-        label="its decaying partner",
-    )
+    growing, decaying = fall.real.max(axis=1), fall.real.min(axis=1)
+    sways: Any = {"color": BLUE, "markersize": 4.5, "label": "sways (stable)"}
+    falls: Any = {"color": VERMILION, "markersize": 6}
+    ax.plot(sway.real.ravel(), sway.imag.ravel(), "o", **sways)
+    ax.plot(growing, 0.0 * growing, "^", label="growing root (falls)", **falls)
+    ax.plot(decaying, 0.0 * decaying, "v", label="its decaying partner", mfc="none", **falls)
     labelled = np.inf
     for k, pair, stable in zip(hip_stiffness, roots, swaying, strict=True):
         at = (0.0, pair.imag.max()) if stable else (pair.real.max(), 0.0)
@@ -50,16 +32,9 @@ def root_locus(ax: Axes, hip_stiffness: np.ndarray, roots: np.ndarray) -> Axes:
         labelled = at[1] if stable else labelled
         offset = (5, -2.5) if stable else (-5, 6)
         ax.annotate(f"{k:g}", at, offset, textcoords="offset points", fontsize=6.5)
-    ax.set_xlabel("Real part of the root (1/s)")
-    ax.set_ylabel("Imaginary part of the root (rad/s)")
-    ax.text(
-        0.02,
-        0.98,
-        "numbers: hip stiffness\n$K_h$ (N·m/rad)",
-        transform=ax.transAxes,
-        va="top",
-        fontsize=7,
-    )
+    ax.set(xlabel="Real part of the root (1/s)", ylabel="Imaginary part of the root (rad/s)")
+    words = "numbers: hip stiffness\n$K_h$ (N·m/rad)"
+    ax.text(0.02, 0.98, words, transform=ax.transAxes, va="top", fontsize=7)
     ax.legend(loc="lower left", frameon=False, handletextpad=0.3, borderaxespad=0.0)
     return ax
 
@@ -85,10 +60,7 @@ def stability_contours(
         ax.plot(ankle, hip, linestyle=style, color=color, label=None if inline else name)
     if inline:
         _name_curves(ax, contours, np.array([np.ptp(ankle_limits), np.ptp(hip_limits)]))
-    ax.set_xlim(*ankle_limits)
-    ax.set_ylim(*hip_limits)
-    ax.set_xlabel(PARAMETERS["ankle_stiffness"].label)
-    ax.set_ylabel(PARAMETERS["hip_stiffness"].label)
+    ax.set(xlim=ankle_limits, ylim=hip_limits)
     return ax
 
 
@@ -141,16 +113,8 @@ def quantity_map(
     stable: np.ndarray | None = None,
 ) -> QuadMesh:
     """Draw values (len(y), len(x)) as a map; where ``stable`` is False, it is hatched."""
-    mesh = ax.pcolormesh(
-        x,
-        y,
-        values,
-        cmap="cividis",
-        vmin=limits[0],
-        vmax=limits[1],
-        shading="nearest",
-        rasterized=True,
-    )
+    mesh = ax.pcolormesh(x, y, values, cmap="cividis", shading="nearest", rasterized=True)
+    mesh.set_clim(*limits)
     if stable is not None and stable.any() and not stable.all():
         with mpl.rc_context({"hatch.color": "white", "hatch.linewidth": 0.4}):
             ax.contourf(x, y, ~stable, levels=[0.5, 1.5], colors="none", hatches=["////"])
@@ -166,22 +130,15 @@ def strategy_regions(
     ``ratio`` and ``stable`` are (len(hip), len(ankle)).
     """
     regions = np.where(stable, np.where(np.abs(ratio) > 1.0, 2.0, 1.0), 0.0)
-    ax.contourf(
-        ankle,
-        hip,
-        regions,
-        levels=[-0.5, 0.5, 1.5, 2.5],
-        colors=["0.92", "#56B4E9", "#E69F00"],
-        hatches=["", "//", ""],
-    )
+    colors, hatches = ["0.92", "#56B4E9", "#E69F00"], ["", "//", ""]
+    levels = [-0.5, 0.5, 1.5, 2.5]
+    ax.contourf(ankle, hip, regions, levels=levels, colors=colors, hatches=hatches)
     for region, words in enumerate(("falls", "ankle strategy", "hip strategy")):
         rows, columns = np.nonzero(regions == region)
         if rows.size and np.ptp(columns) > 0.45 * ankle.size and np.ptp(rows) > 0.08 * hip.size:
             middle = np.argsort(columns)[columns.size // 2]
             inside = np.flatnonzero(columns == columns[middle])
             remark(ax, ankle[columns[middle]], hip[rows[inside[inside.size // 2]]], words)
-    ax.set_xlabel(PARAMETERS["ankle_stiffness"].label)
-    ax.set_ylabel(PARAMETERS["hip_stiffness"].label)
     return ax
 
 
@@ -196,22 +153,16 @@ def quantity_curves(
     finite = np.concatenate([values[np.isfinite(values)] for values in curves.values()])
     if finite.size and finite.min() > 0.0 and finite.max() > 8.0 * np.median(finite):
         ax.set_ylim(0.0, 4.0 * np.median(finite))
-    ax.set_xlabel(PARAMETERS[axis].label)
-    ax.set_ylabel(label)
+    ax.set(xlabel=PARAMETERS[axis].label, ylabel=label)
     return ax
 
 
-def stick_figure(
-    ax: Axes, points: np.ndarray, *, linestyle: str, label: str, color: str = "black"
-) -> Axes:
+def stick_figure(ax: Axes, points: np.ndarray, *, linestyle: str, label: str) -> Axes:
     """Draw a standing person from the side: points (4, 2) of ankle, knee, hip and head, in m."""
-    ax.plot(
-        points[:, 0], points[:, 1], color=color, linestyle=linestyle, linewidth=1.6, label=label
-    )
-    ax.plot(points[:3, 0], points[:3, 1], "o", color=color, markersize=3.5, markerfacecolor="white")
+    ax.plot(*points.T, color="black", linestyle=linestyle, linewidth=1.6, label=label)
+    ax.plot(*points[:3].T, "o", color="black", markersize=3.5, markerfacecolor="white")
     ax.set_aspect("equal")
-    ax.set_xlabel("Forward (m)")
-    ax.set_ylabel("Height above the ankle (m)")
+    ax.set(xlabel="Forward (m)", ylabel="Height above the ankle (m)")
     return ax
 
 

@@ -20,17 +20,9 @@ from standfast.figures import standing, style
 from standfast.parameters import PARAMETERS, STIFFNESS_UNIT
 from standfast.quantities import QUANTITIES
 from standfast.study.study import Study
+from standfast.thresholds import planes
 from standfast.thresholds.contours import exact_contours
-from standfast.thresholds.planes import (
-    ANKLE,
-    HIP,
-    KNEE,
-    PLANE_AXES,
-    Plane,
-    finite,
-    has_plane,
-    planes_of,
-)
+from standfast.thresholds.planes import ANKLE, HIP, KNEE, PLANE_AXES, Plane
 
 # More small multiples than these are thinned out evenly: a page holds no more that can be read.
 MOST_PANELS = 9
@@ -61,13 +53,13 @@ def plot(
     wanted = tuple(quantities) or atlas.quantities
     stem = folder / atlas.path.name.removesuffix(".h5")
     drawn: list[Drawing] = []
-    if has_plane(atlas.study) and (not quantities or "stable" in quantities):
+    if planes.has_plane(atlas.study) and (not quantities or "stable" in quantities):
         path = stem.with_name(f"{stem.name}-limits")
         drawn.append(limits_of_standing(atlas.study, path, formats))
     for name in wanted:
         variable = atlas[name]
         path = stem.with_name(f"{stem.name}-{name}")
-        if set(PLANE_AXES) <= set(variable.dims) and has_plane(atlas.study):
+        if set(PLANE_AXES) <= set(variable.dims) and planes.has_plane(atlas.study):
             if name != "stable":  # the limits show it
                 drawn.append(_plane_figure(atlas, name, path, formats))
         elif variable.dims and variable.dims != ("body_model",):
@@ -92,7 +84,7 @@ def limits_of_standing(study: Study, stem: Path, formats: Sequence[str]) -> Draw
         name = _words(study, KNEE, plane.knee).removesuffix(f" {STIFFNESS_UNIT}")
         full = not curves or others  # in a single panel the first name stands for all
         curves[name if full else name.removeprefix("$K_k$ = ")] = (contour.ankle, contour.hip)
-    ankles, hips = (finite(study.axes[name]) for name in PLANE_AXES)
+    ankles, hips = (planes.finite(study.axes[name]) for name in PLANE_AXES)
     limits = {"ankle_limits": (ankles[0], ankles[-1]), "hip_limits": (hips[0], hips[-1])}
     single = len(panels) == 1
     with _small_multiples(list(titles.values()), chosen, 3.0) as (figure, axes):
@@ -112,12 +104,12 @@ def _plane_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -
     steps = {axis: max(1, len(study.axes[axis]) // MOST_POINTS) for axis in PLANE_AXES}
     ankles, hips = (study.axes[axis][::step] for axis, step in steps.items())
     shown = np.ix_(np.isfinite(hips), np.isfinite(ankles))
-    ankles, hips = finite(ankles), finite(hips)
+    ankles, hips = planes.finite(ankles), planes.finite(hips)
     # a critical knee stiffness holds for all knees, a limit of standing for one
     crossed = KNEE in variable.dims or KNEE not in study.axes
     # the axes on which this quantity does not depend are taken at their first value
     first = {axis: {0} for axis in study.axes if axis not in variable.dims}
-    drawn = list(planes_of(study, {**first, **chosen}))
+    drawn = list(planes.planes_of(study, {**first, **chosen}))
     maps = []
     for plane in drawn:
         index = {**plane.index, **{axis: slice(None, None, steps[axis]) for axis in PLANE_AXES}}
@@ -177,18 +169,19 @@ def _curve_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -
     second = max(others, key=lambda axis: len(study.axes[axis]), default=None)
     kept = _thinned(study, [second] if second else [], MOST_CURVES)
     middle = {axis: len(study.axes[axis]) // 2 for axis in others}
-    finite_ones = np.isfinite(study.axes[along])
+    values = study.axes[along]
+    finite = np.isfinite(values)
     label = QUANTITIES[name].label
     curves: dict[str, np.ndarray] = {}
     for at in sorted(kept[second]) if second else [0]:
         index = {**middle, along: slice(None), **({second: at} if second else {})}
         words = _words(study, second, study.axes[second][at]) if second else label
-        curve = variable[tuple(index[axis] for axis in variable.dims)][finite_ones].astype(float)
+        curve = variable[tuple(index[axis] for axis in variable.dims)][finite].astype(float)
         curves[words] = np.where(np.isfinite(curve), curve, np.nan)
     rest = {axis: middle[axis] for axis in others if axis != second}
     title = ", ".join(_words(study, axis, study.axes[axis][at]) for axis, at in rest.items())
     with style.paper_figure(height=3.1) as (figure, (ax,)):
-        standing.quantity_curves(ax, finite(study.axes[along]), curves, label=label, axis=along)
+        standing.quantity_curves(ax, values[finite], curves, label=label, axis=along)
         ax.set_title(title)
         if len(curves) > 1:
             handles, labels = ax.get_legend_handles_labels()

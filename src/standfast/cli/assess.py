@@ -41,11 +41,8 @@ def add(commands: Any) -> None:
         "-o", "--output", type=Path, metavar="FILE.csv", help="default: NAME-assessed.csv"
     )
     for joint in JOINTS:
-        parser.add_argument(
-            f"--{joint}",
-            metavar="K",
-            help=f"stiffness of the {joint} where the file has none, N·m/rad or inf",
-        )
+        words = f"stiffness of the {joint} where the file has none, N·m/rad or inf"
+        parser.add_argument(f"--{joint}", metavar="K", help=words)
     parser.add_argument("--body-model", default="winter", metavar="MODEL", help="default: winter")
     parser.add_argument(
         "--gravity", default=str(STANDARD_GRAVITY), metavar="G", help="m/s² (default: %(default)s)"

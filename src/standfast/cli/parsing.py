@@ -5,18 +5,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+Command = Callable[[argparse.Namespace], None]
+
 
 class StoppedError(Exception):
     """A run ended early for a reason outside; the message says how to go on."""
 
 
 def add_command(
-    commands: Any,
-    run: Callable[[argparse.Namespace], None],
-    summary: str,
-    example: str,
-    *,
-    compiles: bool = False,
+    commands: Any, run: Command, summary: str, example: str, *, compiles: bool = False
 ) -> argparse.ArgumentParser:
     """Declare a command by an example of its use; ``compiles``: it runs programs of JAX."""
     parser: argparse.ArgumentParser = commands.add_parser(

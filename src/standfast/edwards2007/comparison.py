@@ -97,13 +97,6 @@ def as_rows(comparisons: list[Comparison]) -> list[tuple[str, ...]]:
     return rows
 
 
-def as_csv(comparisons: list[Comparison]) -> str:
-    """Return the table as CSV with a header line."""
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([COLUMNS, *as_rows(comparisons)])
-    return text.getvalue()
-
-
 def as_markdown(comparisons: list[Comparison]) -> str:
     """Return the table as a page, with what is known where numbers differ."""
     lines = [
@@ -135,7 +128,9 @@ def as_markdown(comparisons: list[Comparison]) -> str:
 
 def write_tables(comparisons: list[Comparison], folder: Path) -> list[Path]:
     """Write comparison.md and comparison.csv, each whole or not at all."""
-    pages = {"comparison.md": as_markdown(comparisons), "comparison.csv": as_csv(comparisons)}
+    table = io.StringIO()
+    csv.writer(table, lineterminator="\n").writerows([COLUMNS, *as_rows(comparisons)])
+    pages = {"comparison.md": as_markdown(comparisons), "comparison.csv": table.getvalue()}
     for name, text in pages.items():
         with whole_file(folder / name) as partial:
             partial.write_text(text, encoding="utf-8")

@@ -9,6 +9,7 @@ inertias, lengths and centres of mass as rounded to the last printed digit.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -131,6 +132,19 @@ def hip_ankle_ratio(body: Body, mode: int) -> float:
     return float(modes(body, FIGURE_4, GRAVITY).shapes[2, mode])
 
 
+def of_mode(
+    mode: int, hertz: str, ratio: str, hertz_note: str, ratio_note: str = ""
+) -> tuple[PublishedNumber, PublishedNumber]:
+    """Make the rows of a mode of figure 4: its frequency, and how hip and ankle turn in it."""
+    which, where = ("first", "Fig. 4a") if mode == 0 else ("second", "Fig. 4b")
+    in_hertz = partial(frequency_in_hertz, mode=mode)
+    turning = partial(hip_ankle_ratio, mode=mode)
+    return (
+        printed(f"frequency of the {which} mode", where, "Hz", hertz, in_hertz, hertz_note),
+        printed(f"hip/ankle rotation of the {which} mode", where, "1", ratio, turning, ratio_note),
+    )
+
+
 HIP_ALONE = (
     "This threshold is g mb eb; the listed values give 0.27 % more than printed, beyond "
     "their rounding."
@@ -179,37 +193,8 @@ PUBLISHED = (
         lambda body: float(springs.critical_knee_stiffness(body, 2000.0, 2000.0, GRAVITY)),
         "Agrees to the plot, read to within 50 N·m/rad: 600 itself is just unstable.",
     ),
-    printed(
-        "frequency of the first mode",
-        "Fig. 4a",
-        "Hz",
-        "0.002",
-        lambda body: frequency_in_hertz(body, 0),
-        ON_THRESHOLD,
-    ),
-    printed(
-        "hip/ankle rotation of the first mode",
-        "Fig. 4a",
-        "1",
-        "0.43",
-        lambda body: hip_ankle_ratio(body, 0),
-    ),
-    printed(
-        "frequency of the second mode",
-        "Fig. 4b",
-        "Hz",
-        "1.50",
-        lambda body: frequency_in_hertz(body, 1),
-        SECOND_MODE,
-    ),
-    printed(
-        "hip/ankle rotation of the second mode",
-        "Fig. 4b",
-        "1",
-        "-2.07",
-        lambda body: hip_ankle_ratio(body, 1),
-        SECOND_MODE,
-    ),
+    *of_mode(0, "0.002", "0.43", ON_THRESHOLD),
+    *of_mode(1, "1.50", "-2.07", SECOND_MODE, SECOND_MODE),
     falling("change of ω per 3 units of body mass index, the least of any curve", axis=1),
     falling("change of ω from one height to the next taller, the least anywhere", axis=0),
 )

@@ -84,9 +84,8 @@ def _risk_by_multiple(ax: Axes, population: Population) -> None:
     ]
     seen = np.concatenate([*changing, [0.8, 1.25]])
     ax.set_xlim(float(seen.min()), float(min(seen.max(), 4.0)))
-    ax.set_ylim(0.0, 1.0)
+    ax.set(xlabel="Stiffness, as a multiple of the law", ylabel="Persons unstable", ylim=(0.0, 1.0))
     ax.yaxis.set_major_formatter(PercentFormatter(1.0))
-    ax.set(xlabel="Stiffness, as a multiple of the law", ylabel="Persons unstable")
     ax.legend(title="Multiplied", loc="best", alignment="left", edgecolor="none")
 
 
@@ -98,14 +97,13 @@ def _survival(ax: Axes, population: Population) -> None:
     changing = safety_factor[(share > 0.002) & (share < 0.998)]
     low, high = (changing.min(), changing.max()) if changing.size else (0.5, 2.0)
     ax.set_xlim(min(float(low), 0.95), max(float(high), 1.05))
-    ax.set_ylim(0.0, 1.0)
     stand = float(np.interp(1.0, safety_factor, share))
     ax.plot([1.0], [stand], "o", color=BLUE, markersize=4.0)
     words, offset = f"{100.0 * stand:.3g} % stand", (6, 6) if stand < 0.9 else (6, -10)
     ax.annotate(words, (1.0, stand), offset, textcoords="offset points", fontsize=7)
     ax.text(0.02, 0.04, "fall", transform=ax.transAxes, fontsize=7, color=GREY)
     ax.yaxis.set_major_formatter(PercentFormatter(1.0))
-    ax.set(xlabel=QUANTITIES["safety_factor"].label, ylabel="Persons above it")
+    ax.set(xlabel=QUANTITIES["safety_factor"].label, ylabel="Persons above it", ylim=(0.0, 1.0))
 
 
 def _drivers(ax: Axes, population: Population, output: str) -> None:

@@ -33,7 +33,9 @@ def write_tables(study: Study, found: Iterable[Contour], stem: Path) -> list[Pat
         h5py.File(store_partial, "w", libver=LIBRARIES) as file,
     ):
         writer = csv.writer(text, lineterminator="\n")
-        writer.writerow([*(_column(name) for name in (*others, *PLANE_AXES)), "source"])
+        units = {name: f" [{row.unit}]" for name, row in PARAMETERS.items() if not row.choices}
+        columns = (f"{name}{units.get(name, '')}" for name in (*others, *PLANE_AXES))
+        writer.writerow([*columns, "source"])
         file.attrs["title"] = f"Limits of standing: {study.title}"
         file.attrs["study"] = study.canonical
         file.attrs["study_sha256"] = study.fingerprint
@@ -68,7 +70,3 @@ def _write_contour(group: h5py.Group, study: Study, contour: Contour) -> None:
         group.create_dataset("contour_starts", data=np.cumsum([0, *lengths[:-1]]))
         group.attrs["greatest_distance"] = contour.greatest
         group.attrs["mean_distance"] = contour.mean
-
-
-def _column(name: str) -> str:
-    return name if name == "body_model" else f"{name} [{PARAMETERS[name].unit}]"

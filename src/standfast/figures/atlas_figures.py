@@ -174,7 +174,9 @@ def _curve_figure(atlas: Atlas, name: str, stem: Path, formats: Sequence[str]) -
     label = QUANTITIES[name].label
     curves: dict[str, np.ndarray] = {}
     for at in sorted(kept[second]) if second else [0]:
-        index = {**middle, along: slice(None), **({second: at} if second else {})}
+        index: dict[str, Any] = {**middle, along: slice(None)}
+        if second:
+            index[second] = at
         words = _words(study, second, study.axes[second][at]) if second else label
         curve = variable[tuple(index[axis] for axis in variable.dims)][finite].astype(float)
         curves[words] = np.where(np.isfinite(curve), curve, np.nan)

@@ -29,8 +29,6 @@ def encoded(values: np.ndarray) -> bytes:
     as_bytes = values[..., None].view(np.uint8)
     planes = np.ascontiguousarray(np.moveaxis(as_bytes, -1, 0)).reshape(size, -1)
     noise = _planes_of_noise(planes)
-    # all at once: a compressobj of isal 1.9 with other threads beside it gives other bytes for the
-    # same input once in ten thousand times (nothing wrong, but another file); this none in 10⁵
     rest = isal_zlib.compress(planes[noise:], DEFLATE_LEVEL, RAW_DEFLATE)
     checksum = struct.pack(">I", isal_zlib.adler32(planes))
     return b"".join([ZLIB_HEADER, *_stored(planes[:noise]), rest, checksum])

@@ -7,15 +7,9 @@ import os
 import sys
 from collections.abc import Sequence
 
-from standfast.cli.assess import add_assess
+from standfast.cli import assess, info, plot, population, reproduce, sweep, thresholds
 from standfast.cli.compile_cache import compiled_programs_kept
-from standfast.cli.info import add_info
 from standfast.cli.parsing import StoppedError
-from standfast.cli.plot import add_plot
-from standfast.cli.population import add_population
-from standfast.cli.reproduce import add_reproduce
-from standfast.cli.sweep import add_sweep
-from standfast.cli.thresholds import add_thresholds
 from standfast.errors import InputError
 from standfast.version import __version__
 
@@ -52,16 +46,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"standfast {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for add in (
-        add_sweep,
-        add_thresholds,
-        add_plot,
-        add_population,
-        add_assess,
-        add_info,
-        add_reproduce,
-    ):
-        add(commands)
+    for command in (sweep, thresholds, plot, population, assess, info, reproduce):
+        command.add(commands)
     return parser
 
 

@@ -1,11 +1,14 @@
 """``standfast assess``: thresholds and margins of single persons."""
 
 import argparse
+import contextlib
 import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from standfast.cli.parsing import add_command
 from standfast.cli.rejected import print_rejected, write_rejected
@@ -16,14 +19,13 @@ if TYPE_CHECKING:
     from standfast.population.assess import Assessment
 
 
-def add_assess(commands: Any) -> None:
+def add(commands: Any) -> None:
     """Declare the command."""
     parser = add_command(
         commands,
-        "assess",
         _assess,
         "thresholds and margins of single persons, one line each",
-        "people.csv --knee inf --hip 700",
+        "assess people.csv --knee inf --hip 700",
         compiles=True,
     )
     parser.add_argument(
@@ -39,11 +41,8 @@ def add_assess(commands: Any) -> None:
         "-o", "--output", type=Path, metavar="FILE.csv", help="default: NAME-assessed.csv"
     )
     for joint in JOINTS:
-        parser.add_argument(
-            f"--{joint}",
-            metavar="K",
-            help=f"stiffness of the {joint} where the file has none, N·m/rad or inf",
-        )
+        words = f"stiffness of the {joint} where the file has none, N·m/rad or inf"
+        parser.add_argument(f"--{joint}", metavar="K", help=words)
     parser.add_argument("--body-model", default="winter", metavar="MODEL", help="default: winter")
     parser.add_argument(
         "--gravity", default=str(STANDARD_GRAVITY), metavar="G", help="m/s² (default: %(default)s)"
@@ -103,19 +102,19 @@ def _print_summary(summary: Mapping[str, Any]) -> None:
     )
     for joint, fallen in summary["least_gain_at"].items():
         print(f"  {fallen:,} who fall would stand with the least gain at the {joint}")
-    if summary["fall_whatever_one_joint_gains"]:
-        print(f"  {summary['fall_whatever_one_joint_gains']:,} fall whatever one joint gains")
+    if fallen := summary["fall_whatever_one_joint_gains"]:
+        print(f"  {fallen:,} fall whatever one joint gains")
 
 
 def _summary_of(found: "Assessment") -> dict[str, Any]:
-    import numpy as np
-
     columns = found.columns
     quantiles = {
         joint: np.quantile(columns[f"{joint}_threshold_alone_Nm_rad"], (0.05, 0.5, 0.95)).tolist()
         for joint in JOINTS
     }
     best = {joint: int((columns["least_gain_at"] == joint).sum()) for joint in JOINTS}
+    stands = columns["stands"] == "yes"
+    fall_anyhow = found.falls & (columns["least_gain_at"] == "")
     return {
         "persons": len(found.people),
         "rejected": [
@@ -124,22 +123,16 @@ def _summary_of(found: "Assessment") -> dict[str, Any]:
         "remarks": list(found.people.remarks),
         "threshold_alone": quantiles,
         "judged": int(found.judged.sum()),
-        "stand": int((columns["stands"] == "yes").sum()),
-        "stand_with_hip_strategy": int(
-            ((columns["strategy"] == "hip") & (columns["stands"] == "yes")).sum()
-        ),
-        "fall_whatever_one_joint_gains": int(
-            (found.falls & (columns["least_gain_at"] == "")).sum()
-        ),
+        "stand": int(stands.sum()),
+        "stand_with_hip_strategy": int((stands & (columns["strategy"] == "hip")).sum()),
+        "fall_whatever_one_joint_gains": int(fall_anyhow.sum()),
         "least_gain_at": {joint: number for joint, number in best.items() if number},
     }
 
 
 def _number(option: str, text: str, parameter: str) -> float:
-    try:
-        number: float | str = float(text)
-    except ValueError:
-        number = text
-    if isinstance(number, float) and math.isnan(number):
-        number = text
+    """Read a number; what is none goes to the check as the words that they are."""
+    number: float | str = text
+    with contextlib.suppress(ValueError):
+        number = text if math.isnan(float(text)) else float(text)
     return checked_number(option, number, row=PARAMETERS[parameter])

@@ -85,10 +85,8 @@ def _processor() -> str:
 def _is_private(folder: Path) -> bool:
     """Return whether a folder is no link, the user's own, and not writable by others."""
     found = folder.lstat()
-    others = stat.S_IWGRP | stat.S_IWOTH
-    return (
-        stat.S_ISDIR(found.st_mode) and found.st_uid == os.geteuid() and not found.st_mode & others
-    )
+    own = stat.S_ISDIR(found.st_mode) and found.st_uid == os.geteuid()
+    return own and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
 
 
 def _verified(folder: Path) -> dict[str, str]:

@@ -8,27 +8,34 @@ from typing import TYPE_CHECKING, Any
 from standfast.cli.parsing import add_command
 from standfast.files import in_bytes
 from standfast.parameters import PARAMETERS
+from standfast.study.canonical import describe
+from standfast.study.study import Study
 
 if TYPE_CHECKING:
     from standfast.atlas.reader import Atlas
-    from standfast.study.study import Study
 
 
-def add_info(commands: Any) -> None:
+def add(commands: Any) -> None:
     """Declare the command."""
     parser = add_command(
-        commands, "info", _info, "say what is inside an atlas file, on one screen", "atlas.h5"
+        commands, _info, "say what is inside an atlas file, on one screen", "info atlas.h5"
     )
     parser.add_argument("atlas", type=Path, metavar="FILE.h5")
     parser.add_argument("--json", action="store_true", help="as one JSON object")
 
 
 def _info(options: argparse.Namespace) -> None:
-    from standfast.population.summary.file import is_population
+    from standfast.population.summary.file import is_population, open_population
 
     path: Path = options.atlas
     if is_population(path):
-        _print_population(path, as_json=options.json)
+        from standfast.cli.population_text import print_summary
+
+        summary = open_population(path).summary
+        if options.json:
+            print(json.dumps({"complete": True, **summary}, ensure_ascii=False))
+        else:
+            print_summary(summary)
     elif path.exists() or not _print_unfinished(path, as_json=options.json):
         from standfast.atlas.opening import open_atlas
 
@@ -39,22 +46,10 @@ def _info(options: argparse.Namespace) -> None:
             _print_atlas(atlas)
 
 
-def _print_population(path: Path, *, as_json: bool) -> None:
-    from standfast.cli.population_text import print_summary
-    from standfast.population.summary.file import open_population
-
-    summary = open_population(path).summary
-    if as_json:
-        print(json.dumps({"complete": True, **summary}, ensure_ascii=False))
-    else:
-        print_summary(summary)
-
-
 def _print_unfinished(path: Path, *, as_json: bool) -> bool:
     """Print what is known of a file that is being made; return whether one is."""
     from standfast.population.people.study import PopulationStudy
     from standfast.run.folder import unfinished
-    from standfast.study.study import Study
 
     found: tuple[PopulationStudy | Study, int] | None
     found = unfinished(path, PopulationStudy) or unfinished(path, Study)
@@ -97,16 +92,12 @@ def _print_atlas(atlas: "Atlas") -> None:
     _print_parameters(study)
     print()
     for name, variable in atlas.items():
-        axes = " × ".join(
-            f"{axis} {n}" for axis, n in zip(variable.dims, variable.shape, strict=True)
-        )
+        axes = " × ".join(f"{axis} {len(study.axes[axis])}" for axis in variable.dims)
         print(f"  {name:26}{axes or 'one value'}   [{variable.units}]")
     print(f"\nstudy {study.fingerprint}")
 
 
-def _print_parameters(study: "Study") -> None:
-    from standfast.study.canonical import describe
-
+def _print_parameters(study: Study) -> None:
     for name, value in study.parameters.items():
         row = PARAMETERS[name]
         unit = "" if row.choices else f" {row.unit}"

@@ -5,47 +5,41 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+Command = Callable[[argparse.Namespace], None]
+
 
 class StoppedError(Exception):
     """A run ended early for a reason outside; the message says how to go on."""
 
 
 def add_command(
-    commands: Any,
-    name: str,
-    run: Callable[[argparse.Namespace], None],
-    summary: str,
-    example: str,
-    *,
-    compiles: bool = False,
+    commands: Any, run: Command, summary: str, example: str, *, compiles: bool = False
 ) -> argparse.ArgumentParser:
-    """Declare a command with an example in its help; ``compiles``: it runs programs of JAX."""
+    """Declare a command by an example of its use; ``compiles``: it runs programs of JAX."""
     parser: argparse.ArgumentParser = commands.add_parser(
-        name,
+        example.partition(" ")[0],
         help=summary,
         description=summary[0].upper() + summary[1:] + ".",
-        epilog=f"example: standfast {name} {example}",
+        epilog=f"example: standfast {example}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.set_defaults(run=run, compiles=compiles)
     return parser
 
 
-def add_folder_option(parser: argparse.ArgumentParser) -> None:
+def add_folder_option(
+    parser: argparse.ArgumentParser, default: str = ".", words: str = "default: this folder"
+) -> None:
     """Declare the folder that results go to."""
     parser.add_argument(
-        "-o", "--output", type=Path, default=Path(), metavar="FOLDER", help="default: this folder"
+        "-o", "--output", type=Path, default=Path(default), metavar="FOLDER", help=words
     )
 
 
 def add_format_option(parser: argparse.ArgumentParser, of_what: str = "") -> None:
     """Declare the formats of figures."""
-    parser.add_argument(
-        "--format",
-        action="append",
-        choices=("png", "svg", "pdf"),
-        help=f"{of_what}may be given more than once (default: png)",
-    )
+    words = f"{of_what}may be given more than once (default: png)"
+    parser.add_argument("--format", action="append", choices=("png", "svg", "pdf"), help=words)
 
 
 def share_of_work(text: str) -> tuple[int, int]:

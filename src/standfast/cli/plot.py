@@ -7,14 +7,13 @@ from typing import Any
 from standfast.cli.parsing import add_command, add_folder_option, add_format_option, made_folder
 
 
-def add_plot(commands: Any) -> None:
+def add(commands: Any) -> None:
     """Declare the command."""
     parser = add_command(
         commands,
-        "plot",
         _plot,
         "draw an atlas: limits of standing, maps and curves of its quantities",
-        "atlas.h5 -o results --format pdf",
+        "plot atlas.h5 -o results --format pdf",
     )
     parser.add_argument("atlas", type=Path, metavar="FILE.h5")
     add_folder_option(parser)
@@ -25,24 +24,22 @@ def add_plot(commands: Any) -> None:
 
 
 def _plot(options: argparse.Namespace) -> None:
-    from standfast.population.summary.file import is_population
+    from standfast.population.summary.file import is_population, open_population
 
-    formats = options.format or ("png",)
+    folder, formats = options.output, options.format or ("png",)
     if is_population(options.atlas):
         from standfast.figures.population import draw
-        from standfast.population.summary.file import open_population
 
-        stem = made_folder(options.output) / options.atlas.stem
-        paths = draw(open_population(options.atlas), stem, formats)
-        print(f"Written to {options.output}: {', '.join(path.name for path in paths)}")
+        population = open_population(options.atlas)
+        paths = draw(population, made_folder(folder) / options.atlas.stem, formats)
+        print(f"Written to {folder}: {', '.join(path.name for path in paths)}")
         return
     from standfast.atlas.opening import open_atlas
     from standfast.figures.atlas_figures import plot
 
     atlas = open_atlas(options.atlas)
-    folder = made_folder(options.output)
-    drawn = plot(atlas, folder, quantities=options.quantity, formats=formats)
+    drawn = plot(atlas, made_folder(folder), quantities=options.quantity, formats=formats)
     print(f"Written to {folder}:")
-    for drawing in drawn:
-        note = f"   ({drawing.left_out})" if drawing.left_out else ""
-        print(f"  {', '.join(path.name for path in drawing.paths)}{note}")
+    for paths, left_out in drawn:
+        note = f"   ({left_out})" if left_out else ""
+        print(f"  {', '.join(path.name for path in paths)}{note}")

@@ -3,26 +3,21 @@
 import argparse
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from standfast.cli.parsing import add_command, add_format_option
 from standfast.cli.population_text import print_summary
 from standfast.cli.rejected import write_rejected
 from standfast.cli.running import add_run_options, output_of, run_shards
 
-if TYPE_CHECKING:
-    from standfast.population.people.study import PopulationStudy
-    from standfast.population.summary.file import Population
 
-
-def add_population(commands: Any) -> None:
+def add(commands: Any) -> None:
     """Declare the command."""
     parser = add_command(
         commands,
-        "population",
         _population,
         "who of a population would not stand, and what it would take (the same command resumes)",
-        "studies/us-adults.toml",
+        "population studies/us-adults.toml",
         compiles=True,
     )
     add_run_options(parser, "count")
@@ -52,8 +47,7 @@ def _population(options: argparse.Namespace) -> None:
     print(f"\nWritten to {output.parent}: {', '.join(path.name for path in written)}")
 
 
-def _compute(study: "PopulationStudy", output: Path, **settings: Any) -> "Population | None":
+def _compute(study: Any, output: Path, **settings: Any) -> Any:
     from standfast.population.simulation import simulate
 
-    found: Population | None = simulate(study, output, **settings)
-    return found
+    return simulate(study, output, **settings)

@@ -72,18 +72,13 @@ def _bar(what: str) -> Iterator[Display]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    columns = (
-        BarColumn(),
-        TextColumn("{task.percentage:3.0f} %"),
-        TextColumn("{task.fields[rate]}"),
-        TimeRemainingColumn(),
-    )
+    texts = TextColumn("{task.percentage:3.0f} %"), TextColumn("{task.fields[rate]}")
+    columns = (BarColumn(), *texts, TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("", total=None, rate="compiling")
 
         def show(done: int, total: int, seconds: float) -> None:
-            rate = f"{done / seconds:.3g} {what}/s"
-            bar.update(task, completed=done, total=total, rate=rate)
+            bar.update(task, completed=done, total=total, rate=f"{done / seconds:.3g} {what}/s")
 
         yield lambda text: bar.console.print(text, highlight=False), show
 

@@ -1,29 +1,20 @@
 """``standfast reproduce``: the 2007 paper, its figures and its numbers beside ours."""
 
 import argparse
-from pathlib import Path
 from typing import Any
 
-from standfast.cli.parsing import add_command, made_folder
+from standfast.cli.parsing import add_command, add_folder_option, made_folder
 
 
-def add_reproduce(commands: Any) -> None:
+def add(commands: Any) -> None:
     """Declare the command."""
     parser = add_command(
         commands,
-        "reproduce",
         _reproduce,
         "recompute the 2007 paper: its figures, and every published number beside ours",
-        "-o results/edwards2007",
+        "reproduce -o results/edwards2007",
     )
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        default=Path("results/edwards2007"),
-        metavar="FOLDER",
-        help="where to write (default: %(default)s)",
-    )
+    add_folder_option(parser, "results/edwards2007", "where to write (default: %(default)s)")
 
 
 def _reproduce(options: argparse.Namespace) -> None:

@@ -7,11 +7,9 @@ import shlex
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from standfast.cli.parsing import StoppedError, number_of_threads, share_of_work
-
-Result = TypeVar("Result")
 
 
 def add_run_options(parser: argparse.ArgumentParser, work: str) -> None:
@@ -26,12 +24,8 @@ def add_run_options(parser: argparse.ArgumentParser, work: str) -> None:
         metavar="i/N",
         help="compute the i-th of N shares only, for array jobs; a later call finishes",
     )
-    parser.add_argument(
-        "--threads",
-        type=number_of_threads,
-        metavar="N",
-        help=f"threads that {work} (default: all cores)",
-    )
+    words = f"threads that {work} (default: all cores)"
+    parser.add_argument("--threads", type=number_of_threads, metavar="N", help=words)
 
 
 def output_of(options: argparse.Namespace) -> Path:
@@ -41,12 +35,8 @@ def output_of(options: argparse.Namespace) -> Path:
 
 
 def run_shards(
-    compute: Callable[..., Result | None],
-    study: Any,
-    options: argparse.Namespace,
-    what: str,
-    **settings: Any,
-) -> Result | None:
+    compute: Callable[..., Any], study: Any, options: argparse.Namespace, what: str, **settings: Any
+) -> Any:
     """Compute a study in shards, with a bar; say so if it was a share only, and return None.
 
     ``compute`` is called as :func:`standfast.sweep` is, with ``settings`` besides. What it imports
@@ -65,16 +55,9 @@ def run_shards(
             show_progress(done, total)
             stop_if_asked()
 
+        settings |= {"threads": options.threads, "part": options.part}
         with kept_when_stopped(output):
-            found = compute(
-                study,
-                output,
-                threads=options.threads,
-                part=options.part,
-                progress=after_unit,
-                estimate=after_estimate,
-                **settings,
-            )
+            found = compute(study, output, progress=after_unit, estimate=after_estimate, **settings)
     if found is None:
         share = "{}/{}".format(*options.part)
         print(f"Share {share} of {output} is done; without --part the same command finishes it.")
@@ -85,16 +68,13 @@ def run_shards(
 def kept_when_stopped(output: Path) -> Iterator[None]:
     """Say of a run that is interrupted, or whose disk fills up, what is kept and how to go on."""
     again = "standfast " + " ".join(shlex.quote(word) for word in sys.argv[1:])
+    kept = f"shards that are done are kept in {output}.parts."
     try:
         yield
     except KeyboardInterrupt:
-        raise StoppedError(
-            f"stopped; shards that are done are kept in {output}.parts. To go on: {again}"
-        ) from None
+        raise StoppedError(f"stopped; {kept} To go on: {again}") from None
     except OSError as error:
-        if error.errno == errno.ENOSPC:
-            raise StoppedError(
-                f"the disk is full; shards that are done are kept in {output}.parts. "
-                f"Make room, then go on: {again}"
-            ) from None
-        raise
+        if error.errno != errno.ENOSPC:
+            raise
+        words = f"the disk is full; {kept} Make room, then go on: {again}"
+        raise StoppedError(words) from None

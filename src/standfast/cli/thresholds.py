@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from standfast.cli.parsing import add_command, add_folder_option, made_folder
+from standfast.study.study import Study
 
 if TYPE_CHECKING:
     from standfast.thresholds.contours import Contour
@@ -13,14 +14,13 @@ if TYPE_CHECKING:
 MOST_LINES = 20
 
 
-def add_thresholds(commands: Any) -> None:
+def add(commands: Any) -> None:
     """Declare the command."""
     parser = add_command(
         commands,
-        "thresholds",
         _thresholds,
         "limits of standing over ankle and hip: exact curves of a study, contours of an atlas",
-        "atlas.h5 -o results",
+        "thresholds atlas.h5 -o results",
     )
     parser.add_argument("source", type=Path, metavar="FILE.h5|STUDY.toml")
     add_folder_option(parser)
@@ -33,8 +33,6 @@ def _thresholds(options: argparse.Namespace) -> None:
     folder = made_folder(options.output)
     lines: list[str] = []
     if source.suffix == ".toml":
-        from standfast.study.study import Study
-
         study = Study.from_toml(source)
         found = contours.exact_contours(study)
     else:
@@ -53,19 +51,17 @@ def _thresholds(options: argparse.Namespace) -> None:
 
 def _described(found: Iterator["Contour"], lines: list[str]) -> Iterator["Contour"]:
     """Hand contours on; add to ``lines`` how far the first ones lie from the closed form."""
-    count, greatest = 0, 0.0
-    for contour in found:
-        count += 1
-        crossed = bool(contour.lines)
-        greatest = max(greatest, contour.greatest) if crossed else greatest
-        if count <= MOST_LINES:
-            where = ", ".join(f"{key} {value}" for key, value in contour.plane.values.items())
+    greatest, count = 0.0, 0
+    for count, contour in enumerate(found, start=1):
+        far = "no limit of standing on it"
+        if contour.lines:
+            greatest = max(greatest, contour.greatest)
             far = (
                 f"distance from closed form at most {contour.greatest:.3g}, mean "
                 f"{contour.mean:.3g} N·m/rad (step of the grid {contour.resolution:.3g})"
-                if crossed
-                else "no limit of standing on it"
             )
+        if count <= MOST_LINES:
+            where = ", ".join(f"{key} {value}" for key, value in contour.plane.values.items())
             lines.append(f"  {where or 'the plane'}: {far}")
         yield contour
     if count > MOST_LINES:

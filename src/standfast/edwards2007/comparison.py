@@ -81,47 +81,20 @@ def rounding_interval(compute: Callable[[Body], float], body: Body) -> tuple[flo
 
 
 COLUMNS = (
-    "quantity",
-    "where",
-    "unit",
-    "published",
-    "stands_for_lowest",
-    "stands_for_highest",
-    "computed",
-    "lowest",
-    "highest",
-    "verdict",
-    "note",
+    *("quantity", "where", "unit", "published", "stands_for_lowest", "stands_for_highest"),
+    *("computed", "lowest", "highest", "verdict", "note"),
 )
 
 
 def as_rows(comparisons: list[Comparison]) -> list[tuple[str, ...]]:
     """Return the table as text, one tuple a row in the order of ``COLUMNS``."""
-    return [
-        (
-            row.published.what,
-            row.published.where,
-            row.published.unit,
-            row.published.printed,
-            f"{row.published.lowest:.6g}",
-            f"{row.published.highest:.6g}",
-            f"{row.computed:.6g}",
-            f"{row.lowest:.6g}",
-            f"{row.highest:.6g}",
-            row.verdict,
-            row.published.note,
-        )
-        for row in comparisons
-    ]
-
-
-def as_csv(comparisons: list[Comparison]) -> str:
-    """Return the table as CSV with a header line."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    writer.writerows(as_rows(comparisons))
-    return text.getvalue()
+    rows = []
+    for ours in comparisons:
+        paper = ours.published
+        words = (paper.what, paper.where, paper.unit, paper.printed)
+        numbers = (paper.lowest, paper.highest, ours.computed, ours.lowest, ours.highest)
+        rows.append((*words, *(f"{number:.6g}" for number in numbers), ours.verdict, paper.note))
+    return rows
 
 
 def as_markdown(comparisons: list[Comparison]) -> str:
@@ -141,9 +114,8 @@ def as_markdown(comparisons: list[Comparison]) -> str:
         "|---|---|---|---|---|---|---|---|",
     ]
     notes: dict[str, int] = {}
-    for what, where, unit, text, least, most, computed, low, high, verdict, note in as_rows(
-        comparisons
-    ):
+    for row in as_rows(comparisons):
+        what, where, unit, text, least, most, computed, low, high, verdict, note = row
         mark = f" [{notes.setdefault(note, len(notes) + 1)}]" if note else ""
         shown = f"**{verdict}**" if verdict == NOT_REPRODUCED else verdict
         lines.append(
@@ -156,13 +128,10 @@ def as_markdown(comparisons: list[Comparison]) -> str:
 
 def write_tables(comparisons: list[Comparison], folder: Path) -> list[Path]:
     """Write comparison.md and comparison.csv, each whole or not at all."""
-    paths = []
-    for name, text in (
-        ("comparison.md", as_markdown(comparisons)),
-        ("comparison.csv", as_csv(comparisons)),
-    ):
-        path = folder / name
-        with whole_file(path) as partial:
+    table = io.StringIO()
+    csv.writer(table, lineterminator="\n").writerows([COLUMNS, *as_rows(comparisons)])
+    pages = {"comparison.md": as_markdown(comparisons), "comparison.csv": table.getvalue()}
+    for name, text in pages.items():
+        with whole_file(folder / name) as partial:
             partial.write_text(text, encoding="utf-8")
-        paths.append(path)
-    return paths
+    return [folder / name for name in pages]

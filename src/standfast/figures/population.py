@@ -1,15 +1,11 @@
-"""Figures of a population: who falls, what it would take, and what drives it.
+"""Figures of a population, from its file: who falls, what it would take, and what drives it."""
 
-:func:`draw` draws all of them from a population's file; the others draw arrays into given axes.
-"""
-
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import QuadMesh
 from matplotlib.ticker import PercentFormatter
 
 from standfast.figures.style import BLUE, GREY, LINE_STYLES, VERMILION, paper_figure, save
@@ -17,7 +13,7 @@ from standfast.parameters import JOINTS, PARAMETERS
 from standfast.population.summary.file import Population
 from standfast.quantities import QUANTITIES
 
-Interval = tuple[float, float, float]  # value, low, high
+DRIVEN = {"unstable": "falling", "safety_factor": "the safety factor"}
 
 # A cell of the risk map with fewer persons says more of chance than of risk.
 FEWEST = 50
@@ -28,100 +24,58 @@ TOGETHER = 2
 
 def draw(population: Population, stem: Path, formats: Sequence[str] = ("png",)) -> list[Path]:
     """Draw all figures of a population as ``stem``-….png; return the files."""
-    drawn = [
-        *_risk_map(population, stem, formats),
-        *_risk_by_multiple(population, stem, formats),
-        *_survival(population, stem, formats),
-    ]
-    for output, words in (("unstable", "falling"), ("safety_factor", "the safety factor")):
-        indices = population.summary["drivers"][output]
+    pictures: dict[str, tuple[float, Callable[[Axes, Population], object]]] = {
+        "risk-map": (2.8, _risk_map),
+        "risk-by-multiple": (2.6, _risk_by_multiple),
+        "safety-factor": (2.5, _survival),
+    }
+    for output, indices in population.summary["drivers"].items():
         if "remark" not in indices:
-            drawn += _drivers(
-                indices, words, stem.with_name(f"{stem.name}-drivers-{output}"), formats
-            )
+            height = 1.1 + 0.36 * len(indices)
+            pictures[f"drivers-{output}"] = height, partial(_drivers, output=output)
+    drawn = []
+    for name, (height, picture) in pictures.items():
+        with paper_figure(height=height) as (figure, (ax,)):
+            picture(ax, population)
+            drawn += save(figure, stem.with_name(f"{stem.name}-{name}"), formats)
     return drawn
 
 
-def _risk_map(population: Population, stem: Path, formats: Sequence[str]) -> list[Path]:
+def _risk_map(ax: Axes, population: Population) -> None:
+    """Draw the fraction unstable over height and BMI; where there are few persons stays white."""
     persons = _coarser(population.array("persons"))
     with np.errstate(invalid="ignore", divide="ignore"):
         falls = np.nan_to_num(population.array("risk")) * population.array("persons")
         risk = np.where(persons >= FEWEST, _coarser(falls) / persons, np.nan)
-    height, bmi = population.array("height"), population.array("bmi")
-    with paper_figure(height=2.8) as (figure, (ax,)):
-        mesh = risk_map(ax, _middles(height), _middles(bmi), risk)
-        bar = figure.colorbar(
-            mesh, ax=ax, label="Persons unstable", aspect=30, format=PercentFormatter(1.0)
-        )
-        bar.outline.set_linewidth(0.4)
-        return save(figure, stem.with_name(f"{stem.name}-risk-map"), formats)
-
-
-def _risk_by_multiple(population: Population, stem: Path, formats: Sequence[str]) -> list[Path]:
-    rigid = [
-        joint
-        for joint, shares in population.summary["required_stiffness"].items()
-        if all(each["multiple_interval"] is None for each in shares.values())
-    ]
-    curves = {
-        f"{joint} alone" if joint != "all" else "all joints": population.array(
-            f"risk_by_{joint}_multiple"
-        )
-        for joint in ("all", *JOINTS)
-        if joint not in rigid
-    }
-    with paper_figure(height=2.6) as (figure, (ax,)):
-        risk_by_multiple(ax, population.array("multiple"), curves)
-        return save(figure, stem.with_name(f"{stem.name}-risk-by-multiple"), formats)
-
-
-def _survival(population: Population, stem: Path, formats: Sequence[str]) -> list[Path]:
-    with paper_figure(height=2.5) as (figure, (ax,)):
-        survival_curve(ax, population.array("safety_factor"), population.array("survival"))
-        return save(figure, stem.with_name(f"{stem.name}-safety-factor"), formats)
-
-
-def _drivers(indices: dict[str, Any], words: str, stem: Path, formats: Sequence[str]) -> list[Path]:
-    pairs = {
-        kind: [(each[kind], *each[f"{kind}_interval"]) for each in indices.values()]
-        for kind in ("first", "total")
-    }
-    with paper_figure(height=1.1 + 0.36 * len(indices)) as (figure, (ax,)):
-        sobol_bars(ax, list(indices), pairs["first"], pairs["total"])
-        ax.set_title(f"What drives {words}")
-        return save(figure, stem, formats)
-
-
-def _coarser(cells: np.ndarray) -> np.ndarray:
-    """Add up TOGETHER × TOGETHER cells."""
-    rows, columns = cells.shape
-    blocks = cells.reshape(rows // TOGETHER, TOGETHER, columns // TOGETHER, TOGETHER)
-    total: np.ndarray = blocks.sum(axis=(1, 3))
-    return total
-
-
-def _middles(values: np.ndarray) -> np.ndarray:
-    middles: np.ndarray = values.reshape(-1, TOGETHER).mean(axis=1)
-    return middles
-
-
-def risk_map(ax: Axes, height: np.ndarray, bmi: np.ndarray, risk: np.ndarray) -> QuadMesh:
-    """Draw the fraction unstable (len(height), len(bmi)) over height and BMI; NaN stays white."""
+    height, bmi = (
+        population.array(name).reshape(-1, TOGETHER).mean(axis=1) for name in ("height", "bmi")
+    )
     mesh = ax.pcolormesh(bmi, height, risk, cmap="cividis", vmin=0.0, vmax=1.0, rasterized=True)
     rows, columns = np.nonzero(np.isfinite(risk))
     if rows.size:
         ax.set_xlim(bmi[columns.min()] - 1.0, bmi[columns.max()] + 1.0)
         ax.set_ylim(height[rows.min()] - 0.05, height[rows.max()] + 0.05)
-    ax.set_xlabel("Body mass index (kg/m²)")
-    ax.set_ylabel(PARAMETERS["height"].label)
-    return mesh
+    ax.set(xlabel="Body mass index (kg/m²)", ylabel=PARAMETERS["height"].label)
+    percent = PercentFormatter(1.0)
+    bar = ax.figure.colorbar(mesh, ax=ax, label="Persons unstable", aspect=30, format=percent)
+    bar.outline.set_linewidth(0.4)
 
 
-def risk_by_multiple(ax: Axes, multiple: np.ndarray, curves: Mapping[str, np.ndarray]) -> Axes:
-    """Draw the fraction unstable against the multiple of the law, one curve a joint."""
+def _risk_by_multiple(ax: Axes, population: Population) -> None:
+    """Draw the fraction unstable against the multiple of the law, one curve a joint.
+
+    A joint that is rigid in all persons has none.
+    """
+    curves = {}
+    for joint in ("all", *JOINTS):
+        shares = population.summary["required_stiffness"][joint]
+        if any(each["multiple_interval"] is not None for each in shares.values()):
+            name = f"{joint} alone" if joint != "all" else "all joints"
+            curves[name] = population.array(f"risk_by_{joint}_multiple")
+    multiple = population.array("multiple")
     colors = ("black", BLUE, VERMILION, GREY)
-    for number, (name, risk) in enumerate(curves.items()):
-        ax.plot(multiple, risk, linestyle=LINE_STYLES[number], color=colors[number], label=name)
+    for (name, risk), style, color in zip(curves.items(), LINE_STYLES, colors, strict=False):
+        ax.plot(multiple, risk, linestyle=style, color=color, label=name)
     ax.axvline(1.0, color=GREY, linewidth=0.6)
     ax.text(1.0, 1.01, "as drawn", ha="center", va="bottom", fontsize=6.5, color=GREY)
     changing = [
@@ -130,62 +84,59 @@ def risk_by_multiple(ax: Axes, multiple: np.ndarray, curves: Mapping[str, np.nda
     ]
     seen = np.concatenate([*changing, [0.8, 1.25]])
     ax.set_xlim(float(seen.min()), float(min(seen.max(), 4.0)))
-    ax.set_ylim(0.0, 1.0)
+    ax.set(xlabel="Stiffness, as a multiple of the law", ylabel="Persons unstable", ylim=(0.0, 1.0))
     ax.yaxis.set_major_formatter(PercentFormatter(1.0))
-    ax.set_xlabel("Stiffness, as a multiple of the law")
-    ax.set_ylabel("Persons unstable")
     ax.legend(title="Multiplied", loc="best", alignment="left", edgecolor="none")
-    return ax
 
 
-def survival_curve(ax: Axes, safety_factor: np.ndarray, share: np.ndarray) -> Axes:
+def _survival(ax: Axes, population: Population) -> None:
     """Draw the share of persons whose safety factor is higher than each value."""
+    safety_factor, share = population.array("safety_factor"), population.array("survival")
     ax.axvspan(safety_factor[0], 1.0, color="0.93", zorder=0)
     ax.plot(safety_factor, share, color=BLUE)
     changing = safety_factor[(share > 0.002) & (share < 0.998)]
     low, high = (changing.min(), changing.max()) if changing.size else (0.5, 2.0)
     ax.set_xlim(min(float(low), 0.95), max(float(high), 1.05))
-    ax.set_ylim(0.0, 1.0)
-    standing = float(np.interp(1.0, safety_factor, share))
-    ax.plot([1.0], [standing], "o", color=BLUE, markersize=4.0)
-    ax.annotate(
-        f"{100.0 * standing:.3g} % stand",
-        (1.0, standing),
-        (6, 6) if standing < 0.9 else (6, -10),
-        textcoords="offset points",
-        fontsize=7,
-    )
+    stand = float(np.interp(1.0, safety_factor, share))
+    ax.plot([1.0], [stand], "o", color=BLUE, markersize=4.0)
+    words, offset = f"{100.0 * stand:.3g} % stand", (6, 6) if stand < 0.9 else (6, -10)
+    ax.annotate(words, (1.0, stand), offset, textcoords="offset points", fontsize=7)
     ax.text(0.02, 0.04, "fall", transform=ax.transAxes, fontsize=7, color=GREY)
     ax.yaxis.set_major_formatter(PercentFormatter(1.0))
-    ax.set_xlabel(QUANTITIES["safety_factor"].label)
-    ax.set_ylabel("Persons above it")
-    return ax
+    ax.set(xlabel=QUANTITIES["safety_factor"].label, ylabel="Persons above it", ylim=(0.0, 1.0))
 
 
-def sobol_bars(
-    ax: Axes, factors: Sequence[str], first: Sequence[Interval], total: Sequence[Interval]
-) -> Axes:
-    """Draw first-order and total Sobol indices with their intervals, one pair of bars a factor."""
-    places = np.arange(len(factors))[::-1]
-    for offset, indices, face, edge, hatch, label in (
-        (0.19, first, BLUE, BLUE, "", "alone (first order)"),
-        (-0.19, total, "white", VERMILION, "////", "with all others (total)"),
+def _drivers(ax: Axes, population: Population, output: str) -> None:
+    """Draw first-order and total Sobol indices with their intervals, a pair of bars a factor."""
+    indices = population.summary["drivers"][output]
+    places = np.arange(len(indices))[::-1]
+    for kind, offset, face, edge, hatch, label in (
+        ("first", 0.19, BLUE, BLUE, "", "alone (first order)"),
+        ("total", -0.19, "white", VERMILION, "////", "with all others (total)"),
     ):
-        values, low, high = np.array(indices).T
+        values = np.array([each[kind] for each in indices.values()])
+        low, high = np.array([each[f"{kind}_interval"] for each in indices.values()]).T
         ax.barh(
             places + offset,
             values,
-            height=0.36,
-            xerr=[np.maximum(values - low, 0.0), np.maximum(high - values, 0.0)],
-            error_kw={"elinewidth": 0.8, "ecolor": "black"},
+            0.36,
             color=face,
             edgecolor=edge,
             hatch=hatch,
             label=label,
+            xerr=[np.maximum(values - low, 0.0), np.maximum(high - values, 0.0)],
+            error_kw={"elinewidth": 0.8, "ecolor": "black"},
         )
-    ax.set_yticks(places, factors)
-    ax.set_xlim(0.0, max(1.0, float(np.max([high for _, _, high in total]))))
+    ax.set_yticks(places, list(indices))
+    ax.set_xlim(0.0, max(1.0, float(high.max())))  # those of the totals, drawn last
     ax.set_xlabel("Share of the variance (Sobol index)")
-    if (figure := ax.get_figure(root=True)) is not None:
-        figure.legend(frameon=False, loc="outside lower center", ncols=2)
-    return ax
+    ax.figure.legend(frameon=False, loc="outside lower center", ncols=2)
+    ax.set_title(f"What drives {DRIVEN[output]}")
+
+
+def _coarser(cells: np.ndarray) -> np.ndarray:
+    """Add up TOGETHER × TOGETHER cells."""
+    rows, columns = cells.shape
+    blocks = cells.reshape(rows // TOGETHER, TOGETHER, columns // TOGETHER, TOGETHER)
+    total: np.ndarray = blocks.sum(axis=(1, 3))
+    return total

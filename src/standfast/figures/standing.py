@@ -1,6 +1,7 @@
 """Figures of one person or one grid: limits of standing, maps, modes."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -11,71 +12,39 @@ from matplotlib.image import AxesImage, PcolorImage
 from standfast.figures.style import BLUE, GREY, LINE_STYLES, VERMILION, remark
 from standfast.parameters import PARAMETERS
 
+Curves = Mapping[str, tuple[np.ndarray, np.ndarray]]  # by name
+Limits = tuple[float, float]
 
-def root_locus(ax: Axes, hip_stiffness: np.ndarray, roots: np.ndarray) -> Axes:
+
+def root_locus(ax: Axes, hip_stiffness: np.ndarray, roots: np.ndarray) -> None:
     """Draw the least stable pair of roots (1/s, complex, shape (n, 2)) for each hip stiffness."""
     swaying = np.abs(roots.real).max(axis=1) == 0.0
     ax.axhline(0.0, color=GREY, linewidth=0.5)
     ax.axvline(0.0, color=GREY, linewidth=0.5)
     sway, fall = roots[swaying], roots[~swaying]
-    ax.plot(
-        sway.real.ravel(),
-        sway.imag.ravel(),
-        "o",
-        color=BLUE,
-        markersize=4.5,
-        label="sways (stable)",
-    )
-    ax.plot(
-        fall.real.max(axis=1),
-        0.0 * fall.real.max(axis=1),
-        "^",
-        color=VERMILION,
-        markersize=6,
-        label="growing root (falls)",
-    )
-    ax.plot(
-        fall.real.min(axis=1),
-        0.0 * fall.real.min(axis=1),
-        "v",
-        color=VERMILION,
-        markerfacecolor="none",
-        markersize=6,
-        label="its decaying partner",
-    )
+    growing, decaying = fall.real.max(axis=1), fall.real.min(axis=1)
+    sways: Any = {"color": BLUE, "markersize": 4.5, "label": "sways (stable)"}
+    falls: Any = {"color": VERMILION, "markersize": 6}
+    ax.plot(sway.real.ravel(), sway.imag.ravel(), "o", **sways)
+    ax.plot(growing, 0.0 * growing, "^", label="growing root (falls)", **falls)
+    ax.plot(decaying, 0.0 * decaying, "v", label="its decaying partner", mfc="none", **falls)
     labelled = np.inf
     for k, pair, stable in zip(hip_stiffness, roots, swaying, strict=True):
         at = (0.0, pair.imag.max()) if stable else (pair.real.max(), 0.0)
-        if stable and abs(at[1] - labelled) < CROWDED:
+        if stable and abs(at[1] - labelled) < 0.09:  # rad/s; closer labels would crowd
             continue
         labelled = at[1] if stable else labelled
         offset = (5, -2.5) if stable else (-5, 6)
         ax.annotate(f"{k:g}", at, offset, textcoords="offset points", fontsize=6.5)
-    ax.set_xlabel("Real part of the root (1/s)")
-    ax.set_ylabel("Imaginary part of the root (rad/s)")
-    ax.text(
-        0.02,
-        0.98,
-        "numbers: hip stiffness\n$K_h$ (N·m/rad)",
-        transform=ax.transAxes,
-        va="top",
-        fontsize=7,
-    )
+    ax.set(xlabel="Real part of the root (1/s)", ylabel="Imaginary part of the root (rad/s)")
+    words = "numbers: hip stiffness\n$K_h$ (N·m/rad)"
+    ax.text(0.02, 0.98, words, transform=ax.transAxes, va="top", fontsize=7)
     ax.legend(loc="lower left", frameon=False, handletextpad=0.3, borderaxespad=0.0)
-    return ax
-
-
-CROWDED = 0.09  # rad/s; labels of the root locus that would come closer are left out
 
 
 def stability_contours(
-    ax: Axes,
-    contours: Mapping[str, tuple[np.ndarray, np.ndarray]],
-    *,
-    ankle_limits: tuple[float, float],
-    hip_limits: tuple[float, float],
-    inline: bool = True,
-) -> Axes:
+    ax: Axes, contours: Curves, *, ankle_limits: Limits, hip_limits: Limits, inline: bool = True
+) -> None:
     """Draw curves of neutral stability (ankle, hip; N·m/rad), one a knee stiffness.
 
     Named where they run, or with ``inline=False`` for a legend.
@@ -86,16 +55,10 @@ def stability_contours(
         ax.plot(ankle, hip, linestyle=style, color=color, label=None if inline else name)
     if inline:
         _name_curves(ax, contours, np.array([np.ptp(ankle_limits), np.ptp(hip_limits)]))
-    ax.set_xlim(*ankle_limits)
-    ax.set_ylim(*hip_limits)
-    ax.set_xlabel(PARAMETERS["ankle_stiffness"].label)
-    ax.set_ylabel(PARAMETERS["hip_stiffness"].label)
-    return ax
+    ax.set(xlim=ankle_limits, ylim=hip_limits)
 
 
-def _name_curves(
-    ax: Axes, contours: Mapping[str, tuple[np.ndarray, np.ndarray]], scale: np.ndarray
-) -> None:
+def _name_curves(ax: Axes, contours: Curves, scale: np.ndarray) -> None:
     """Write each curve's name on it, where other curves and names are farthest."""
     curves = {name: np.column_stack(curve) / scale for name, curve in contours.items()}
     names: list[np.ndarray] = []
@@ -111,8 +74,9 @@ def _name_curves(
             _clearance(curve[steps], obstacles, LABEL_SIZE),
             _clearance(curve[steps], np.array(names).reshape(-1, 2), 2.0 * LABEL_SIZE),
         )
-        # where all is open, the middle of the curve
-        best = np.flatnonzero(clear >= min(clear.max(), OPEN))
+        # farther than two label sizes from its neighbours a name need not be: where all is open,
+        # the middle of the curve
+        best = np.flatnonzero(clear >= min(clear.max(), 2.0))
         at = steps[best[best.size // 2]]
         names.append(curve[at])
         ankle_at, hip_at = curve[at] * scale
@@ -128,7 +92,6 @@ def _clearance(points: np.ndarray, obstacles: np.ndarray, size: np.ndarray) -> n
     return nearest
 
 
-OPEN = 2.0  # label sizes; farther from its neighbours a name need not be
 LABEL_SIZE = np.array([0.09, 0.03])  # half of a curve's label, in widths and heights of its frame
 
 
@@ -138,15 +101,14 @@ def quantity_map(
     y: np.ndarray,
     values: np.ndarray,
     *,
-    limits: tuple[float, float],
+    limits: Limits,
     stable: np.ndarray | None = None,
 ) -> AxesImage | PcolorImage | QuadMesh:
     """Draw values (len(y), len(x)) as a map; where ``stable`` is False, it is hatched."""
     # an image where the axes are even, which is drawn ten times as fast as a mesh
-    drawn = ax.pcolorfast(
-        _edges(x), _edges(y), values, cmap="cividis", vmin=limits[0], vmax=limits[1]
-    )
+    drawn = ax.pcolorfast(_edges(x), _edges(y), values, cmap="cividis")
     drawn.set_rasterized(True)
+    drawn.set_clim(*limits)
     if stable is not None and stable.any() and not stable.all():
         with mpl.rc_context({"hatch.color": "white", "hatch.linewidth": 0.4}):
             ax.contourf(x, y, ~stable, levels=[0.5, 1.5], colors="none", hatches=["////"])
@@ -163,34 +125,26 @@ def _edges(middles: np.ndarray) -> np.ndarray:
 
 def strategy_regions(
     ax: Axes, ankle: np.ndarray, hip: np.ndarray, ratio: np.ndarray, stable: np.ndarray
-) -> Axes:
+) -> None:
     """Draw where the person falls, sways from the ankle (ratio below 1) or from the hip.
 
     ``ratio`` and ``stable`` are (len(hip), len(ankle)).
     """
     regions = np.where(stable, np.where(np.abs(ratio) > 1.0, 2.0, 1.0), 0.0)
-    ax.contourf(
-        ankle,
-        hip,
-        regions,
-        levels=[-0.5, 0.5, 1.5, 2.5],
-        colors=["0.92", "#56B4E9", "#E69F00"],
-        hatches=["", "//", ""],
-    )
+    colors, hatches = ["0.92", "#56B4E9", "#E69F00"], ["", "//", ""]
+    levels = [-0.5, 0.5, 1.5, 2.5]
+    ax.contourf(ankle, hip, regions, levels=levels, colors=colors, hatches=hatches)
     for region, words in enumerate(("falls", "ankle strategy", "hip strategy")):
         rows, columns = np.nonzero(regions == region)
         if rows.size and np.ptp(columns) > 0.45 * ankle.size and np.ptp(rows) > 0.08 * hip.size:
             middle = np.argsort(columns)[columns.size // 2]
             inside = np.flatnonzero(columns == columns[middle])
             remark(ax, ankle[columns[middle]], hip[rows[inside[inside.size // 2]]], words)
-    ax.set_xlabel(PARAMETERS["ankle_stiffness"].label)
-    ax.set_ylabel(PARAMETERS["hip_stiffness"].label)
-    return ax
 
 
 def quantity_curves(
     ax: Axes, x: np.ndarray, curves: Mapping[str, np.ndarray], *, label: str, axis: str
-) -> Axes:
+) -> None:
     """Draw a quantity along one axis, one labelled curve each."""
     for number, (name, values) in enumerate(curves.items()):
         style = LINE_STYLES[number % len(LINE_STYLES)]
@@ -199,36 +153,18 @@ def quantity_curves(
     finite = np.concatenate([values[np.isfinite(values)] for values in curves.values()])
     if finite.size and finite.min() > 0.0 and finite.max() > 8.0 * np.median(finite):
         ax.set_ylim(0.0, 4.0 * np.median(finite))
-    ax.set_xlabel(PARAMETERS[axis].label)
-    ax.set_ylabel(label)
-    return ax
+    ax.set(xlabel=PARAMETERS[axis].label, ylabel=label)
 
 
-def stick_figure(
-    ax: Axes, points: np.ndarray, *, linestyle: str, label: str, color: str = "black"
-) -> Axes:
-    """Draw a standing person from the side: points (4, 2) of ankle, knee, hip and head, in m."""
-    ax.plot(
-        points[:, 0], points[:, 1], color=color, linestyle=linestyle, linewidth=1.6, label=label
-    )
-    ax.plot(points[:3, 0], points[:3, 1], "o", color=color, markersize=3.5, markerfacecolor="white")
-    ax.set_aspect("equal")
-    ax.set_xlabel("Forward (m)")
-    ax.set_ylabel("Height above the ankle (m)")
-    return ax
-
-
-def frequency_against_bmi(ax: Axes, bmi: np.ndarray, curves: Mapping[str, np.ndarray]) -> Axes:
+def frequency_against_bmi(ax: Axes, bmi: np.ndarray, curves: Mapping[str, np.ndarray]) -> None:
     """Draw the signed angular frequency of the least stable mode (rad/s), one curve a height."""
     ax.axhline(0.0, color=GREY, linewidth=0.8)
     low = min(curve.min() for curve in curves.values())
     ax.axhspan(1.15 * low, 0.0, color="0.93", zorder=0)
     for style, (name, curve) in zip(LINE_STYLES, curves.items(), strict=False):
         ax.plot(bmi, curve, linestyle=style, color=BLUE, label=name)
-    ax.set_xlim(bmi[0], bmi[-1])
-    ax.set_ylim(1.15 * low, None)
+    ax.set(xlim=(bmi[0], bmi[-1]), ylim=(1.15 * low, None))
     ax.text(bmi[0] + 0.3, 0.9 * low, "falls: minus the growth rate (1/s)", fontsize=7, color=GREY)
     ax.set_xlabel(PARAMETERS["bmi"].label.replace("Bmi", "Body mass index"))
     ax.set_ylabel(r"Least stable mode, $\omega$ (rad/s)")
     ax.legend(title="Height", frameon=False, loc="upper right", alignment="left")
-    return ax

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from standfast.files import whole_file
 
-COLUMN = 3.5  # width of a journal column, inches
+COLUMN, PAGE = 3.5, 7.0  # widths of a column and of a page of a journal, inches
 BLUE, VERMILION, GREY = "#0072B2", "#D55E00", "#595959"
 LINE_STYLES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
 
@@ -37,10 +37,10 @@ STYLE: Any = {
 
 @contextmanager
 def paper_figure(
-    *,
     width: float = COLUMN,
     height: float = 2.8,
     panels: tuple[int, int] = (1, 1),
+    *,
     shared: bool = False,
 ) -> Iterator[tuple[Figure, list[Axes]]]:
     """Give a figure in the style of this module, with rows and columns of axes, row by row."""
@@ -65,38 +65,14 @@ QUICKLY: Any = {"png": {"pil_kwargs": {"compress_level": 4}}, "svg": {}, "pdf": 
 
 def save(figure: Figure, stem: Path, formats: Sequence[str] = ("png", "svg")) -> list[Path]:
     """Write ``stem``.png and so on, each whole or not at all and without a clock inside."""
-    paths = []
-    for suffix in formats:
-        path = stem.with_name(f"{stem.name}.{suffix}")
+    paths = [stem.with_name(f"{stem.name}.{suffix}") for suffix in formats]
+    for suffix, path in zip(formats, paths, strict=True):
         with whole_file(path) as partial:
             figure.savefig(partial, format=suffix, metadata=NO_CLOCK[suffix], **QUICKLY[suffix])
-        paths.append(path)
     return paths
 
 
-def label_together(figure: Figure, axes: Sequence[Axes]) -> None:
-    """Label the outer edges of many panels once, instead of every panel."""
-    if len(axes) == 1:
-        return
-    along, upward = axes[-1].get_xlabel(), axes[0].get_ylabel()
-    figure.supxlabel(along, fontsize=STYLE["axes.labelsize"])
-    figure.supylabel(upward, fontsize=STYLE["axes.labelsize"])
-    for ax in axes:
-        ax.set_xlabel("")
-        ax.set_ylabel("")
-
-
-def remark(ax: Axes, x: float, y: float, text: str, **style: object) -> None:
+def remark(ax: Axes, x: float, y: float, text: str, *, fontsize: float = 7) -> None:
     """Write centred words on a white ground, so that no line runs through them."""
-    ax.text(
-        x,
-        y,
-        text,
-        ha="center",
-        va="center",
-        bbox=WHITE_GROUND,
-        **{"fontsize": 7, **style},  # type: ignore[arg-type] # any text property
-    )
-
-
-WHITE_GROUND = {"boxstyle": "square,pad=0.12", "facecolor": "white", "edgecolor": "none"}
+    ground = {"boxstyle": "square,pad=0.12", "facecolor": "white", "edgecolor": "none"}
+    ax.text(x, y, text, ha="center", va="center", bbox=ground, fontsize=fontsize)

@@ -15,17 +15,8 @@ import numpy as np
 from standfast.atlas.reader import Atlas
 from standfast.errors import InputError
 from standfast.study.study import Study
-from standfast.thresholds.closed_form import critical_ankles, critical_hips, limit_of_standing
-from standfast.thresholds.planes import (
-    ANKLE,
-    HIP,
-    PLANE_AXES,
-    Plane,
-    finite,
-    plane_at,
-    planes_of,
-    require_plane,
-)
+from standfast.thresholds import planes
+from standfast.thresholds.planes import ANKLE, HIP, PLANE_AXES, Plane
 
 # Quantities that change sign exactly at the limit of standing, the best first. The determinant
 # is not one: it is positive again where two modes fall.
@@ -55,15 +46,10 @@ def exact_contours(study: Study, only: Mapping[str, set[int]] | None = None) -> 
     """Go through the limits of standing of a study in closed form, plane by plane.
 
     ``only`` keeps the planes whose index along an axis is in a set.
-
-    Raises
-    ------
-    InputError
-        if ankle or hip is not an axis with two finite values or more.
     """
-    require_plane(study)
-    for plane in planes_of(study, only):
-        yield Contour(plane, *limit_of_standing(study, plane))
+    planes.require_plane(study)
+    for plane in planes.planes_of(study, only):
+        yield Contour(plane, *plane.limit_of_standing(study.axes[ANKLE], study.axes[HIP]))
 
 
 def extracted_contours(atlas: Atlas) -> Iterator[Contour]:
@@ -71,42 +57,23 @@ def extracted_contours(atlas: Atlas) -> Iterator[Contour]:
 
     From a quantity that changes sign at the limit if the atlas holds one, else from the verdicts.
     One plane is in memory at a time.
-
-    Raises
-    ------
-    InputError
-        if ankle or hip is not an axis, or the atlas holds nothing that shows the limit.
     """
-    study = atlas.study
-    require_plane(study)
+    planes.require_plane(atlas.study)
     source, level = source_of(atlas)
-    ankles, hips = (study.axes[name] for name in PLANE_AXES)
+    ankles, hips = (atlas.study.axes[name] for name in PLANE_AXES)
     variable = atlas[source]
     swapped = variable.dims.index(HIP) < variable.dims.index(ANKLE)
     for index, values in variable.planes(along=PLANE_AXES):
-        plane = plane_at(study, index)
+        plane = planes.plane_at(atlas.study, index)
         # λ is smooth at the limit, its root is not
         smooth = values * np.abs(values) if source == "frequency" else values
         lines = _lines(ankles, hips, smooth.T if swapped else smooth, level)
-        errors, steps = _distances(plane, ankles, hips, lines)
-        yield Contour(
-            plane,
-            *limit_of_standing(study, plane),
-            lines,
-            float(errors.max()) if errors.size else np.nan,
-            float(errors.mean()) if errors.size else np.nan,
-            float(steps.max()) if steps.size else np.nan,
-        )
+        limit = plane.limit_of_standing(ankles, hips)
+        yield Contour(plane, *limit, lines, *_distances(plane, ankles, hips, lines))
 
 
 def source_of(atlas: Atlas) -> tuple[str, float]:
-    """Return the quantity that shows the limit best, and its value there.
-
-    Raises
-    ------
-    InputError
-        if the atlas holds none.
-    """
+    """Return the quantity that shows the limit best, and its value there."""
     for name in SIGNED:
         if name in atlas.quantities:
             return name, 0.0
@@ -135,26 +102,22 @@ def _lines(
 
 def _distances(
     plane: Plane, ankles: np.ndarray, hips: np.ndarray, lines: list[np.ndarray]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return how far the points of lines lie from the closed form, and the grid's steps there.
-
-    Measured along the ankle's axis or the hip's, whichever is nearer.
-    """
+) -> tuple[float, float, float]:
+    """Return the greatest and the mean distance from the closed form, and the greatest step."""
     if not lines:
-        return np.empty(0), np.empty(0)
+        return np.nan, np.nan, np.nan
     points = np.concatenate(lines)
     ankle, hip = points.T
-    exact = np.column_stack([critical_ankles(plane, hip), critical_hips(plane, ankle)])
+    exact = np.column_stack([plane.critical_ankles(hip), plane.critical_hips(ankle)])
     away = np.abs(points - exact)
-    nearer = np.argmin(away, axis=1)
     steps = np.column_stack([_step_at(ankles, ankle), _step_at(hips, hip)])
-    rows = np.arange(len(points))
-    return away[rows, nearer], steps[rows, nearer]
+    nearer = np.arange(len(points)), np.argmin(away, axis=1)
+    return float(away[nearer].max()), float(away[nearer].mean()), float(steps[nearer].max())
 
 
 def _step_at(values: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Return the step of an axis around each of some values."""
-    grid = finite(values)
+    grid = planes.finite(values)
     below = np.searchsorted(grid, at) - 1
     steps: np.ndarray = np.diff(grid)[np.clip(below, 0, grid.size - 2)]
     return steps

@@ -1,14 +1,15 @@
-"""Planes of ankle × hip stiffness: one for every value of a study's other axes."""
+"""Planes of ankle × hip stiffness, and the limit of standing on them: one falling curve each."""
 
 import itertools
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from standfast.anthropometry.body import REFERENCE_PEOPLE, Body, body_of
 from standfast.errors import InputError
+from standfast.stability.springs import critical_ankle_stiffness, critical_hip_stiffness
 from standfast.study.study import Study
 
 ANKLE, KNEE, HIP = "ankle_stiffness", "knee_stiffness", "hip_stiffness"
@@ -17,13 +18,38 @@ PLANE_AXES = (ANKLE, HIP)
 
 @dataclass(frozen=True, slots=True)
 class Plane:
-    """One plane of ankle × hip: the values of all other parameters."""
+    """One plane of ankle × hip: the person, and the values of a study's other axes by name."""
 
     body: Body
     gravity: float
     knee: float
-    values: Mapping[str, Any]  # of the other axes, by name
-    index: Mapping[str, int]
+    values: Mapping[str, Any] = field(default_factory=dict)
+    index: Mapping[str, int] = field(default_factory=dict)
+
+    def critical_hips(self, ankles: np.ndarray) -> np.ndarray:
+        """Return the hip stiffness at which the person just stands, for each ankle stiffness."""
+        hips: np.ndarray = critical_hip_stiffness(self.body, ankles, self.knee, self.gravity)
+        return hips
+
+    def critical_ankles(self, hips: np.ndarray) -> np.ndarray:
+        """Return the ankle stiffness at which the person just stands, for each hip stiffness."""
+        ankles: np.ndarray = critical_ankle_stiffness(self.body, self.knee, hips, self.gravity)
+        return ankles
+
+    def limit_of_standing(
+        self, ankles: np.ndarray, hips: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the exact limit between the ends of both axes: ankle and hip (N·m/rad).
+
+        The curve is taken at every finite value of both, so that both of its steep ends are
+        followed.
+        """
+        ankles, hips = finite(ankles), finite(hips)
+        ankle = np.concatenate([self.critical_ankles(hips), ankles])
+        hip = np.concatenate([hips, self.critical_hips(ankles)])
+        inside = (ankle >= ankles[0]) & (ankle <= ankles[-1]) & (hip >= hips[0]) & (hip <= hips[-1])
+        order = np.lexsort((-hip[inside], ankle[inside]))
+        return ankle[inside][order], hip[inside][order]
 
 
 def planes_of(study: Study, only: Mapping[str, set[int]] | None = None) -> Iterator[Plane]:
@@ -32,11 +58,9 @@ def planes_of(study: Study, only: Mapping[str, set[int]] | None = None) -> Itera
     ``only`` keeps those whose index along an axis is in a set.
     """
     others = [name for name in study.axes if name not in PLANE_AXES]
-    kept = only or {}
-    ranges = (
-        [i for i in range(len(study.axes[name])) if i in kept.get(name, {i})] for name in others
-    )
-    for index in itertools.product(*ranges):
+    kept: dict[str, Iterable[int]] = {name: range(len(study.axes[name])) for name in others}
+    kept.update(only or {})
+    for index in itertools.product(*(sorted(kept[name]) for name in others)):
         yield plane_at(study, dict(zip(others, index, strict=True)))
 
 
@@ -45,13 +69,8 @@ def plane_at(study: Study, index: Mapping[str, int]) -> Plane:
     values = {name: study.axes[name][i] for name, i in index.items()}
     given = {**study.fixed, **values}
     numbers = {name: float(value) for name, value in given.items() if name != "body_model"}
-    return Plane(
-        body_of({**numbers, "body_model": REFERENCE_PEOPLE[str(given["body_model"])]}),
-        numbers["gravity"],
-        numbers.get(KNEE, np.nan),
-        values,
-        index,
-    )
+    body = body_of({**numbers, "body_model": REFERENCE_PEOPLE[str(given["body_model"])]})
+    return Plane(body, numbers["gravity"], numbers.get(KNEE, np.nan), values, index)
 
 
 def has_plane(study: Study) -> bool:
@@ -60,22 +79,15 @@ def has_plane(study: Study) -> bool:
 
 
 def require_plane(study: Study) -> None:
-    """Refuse a study without a plane of ankle × hip.
-
-    Raises
-    ------
-    InputError
-        if ankle or hip is not an axis with two finite values or more.
-    """
-    if has_plane(study):
-        return
-    name = next(n for n in PLANE_AXES if n not in study.axes or finite(study.axes[n]).size < 2)
+    """Refuse a study without a plane of ankle × hip."""
     curves = "thresholds are curves over ankle and hip stiffness"
-    if name not in study.axes:
-        raise InputError(
-            f"{curves}, and {name} is no axis of this study; give it a list or a range"
-        )
-    raise InputError(f"{curves}, and {name} has fewer than two finite values in this study")
+    for name in PLANE_AXES:
+        if name not in study.axes:
+            raise InputError(
+                f"{curves}, and {name} is no axis of this study; give it a list or a range"
+            )
+        if finite(study.axes[name]).size < 2:
+            raise InputError(f"{curves}, and {name} has fewer than two finite values in this study")
 
 
 def finite(values: np.ndarray) -> np.ndarray:

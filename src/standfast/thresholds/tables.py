@@ -23,15 +23,9 @@ def write_tables(study: Study, found: Iterable[Contour], stem: Path) -> list[Pat
     form or of the atlas. The HDF5 file has the group ``thresholds`` and in it a group a plane:
     ``closed_form`` (n, 2), ``contour`` (m, 2) with ``contour_starts``, and the plane's other
     parameters as attributes.
-
-    Raises
-    ------
-    OSError
-        if the disk does not take them.
     """
     others = [name for name in study.axes if name not in PLANE_AXES]
-    table = stem.with_name(f"{stem.name}.csv")
-    store = stem.with_name(f"{stem.name}.h5")
+    table, store = (stem.with_name(f"{stem.name}.{suffix}") for suffix in ("csv", "h5"))
     with (
         whole_file(table) as table_partial,
         whole_file(store) as store_partial,
@@ -39,7 +33,9 @@ def write_tables(study: Study, found: Iterable[Contour], stem: Path) -> list[Pat
         h5py.File(store_partial, "w", libver=LIBRARIES) as file,
     ):
         writer = csv.writer(text, lineterminator="\n")
-        writer.writerow([*(_column(name) for name in (*others, *PLANE_AXES)), "source"])
+        units = {name: f" [{row.unit}]" for name, row in PARAMETERS.items() if not row.choices}
+        columns = (f"{name}{units.get(name, '')}" for name in (*others, *PLANE_AXES))
+        writer.writerow([*columns, "source"])
         file.attrs["title"] = f"Limits of standing: {study.title}"
         file.attrs["study"] = study.canonical
         file.attrs["study_sha256"] = study.fingerprint
@@ -74,7 +70,3 @@ def _write_contour(group: h5py.Group, study: Study, contour: Contour) -> None:
         group.create_dataset("contour_starts", data=np.cumsum([0, *lengths[:-1]]))
         group.attrs["greatest_distance"] = contour.greatest
         group.attrs["mean_distance"] = contour.mean
-
-
-def _column(name: str) -> str:
-    return name if name == "body_model" else f"{name} [{PARAMETERS[name].unit}]"

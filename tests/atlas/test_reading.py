@@ -16,7 +16,8 @@ import xarray
 
 import standfast as sf
 from standfast.engine.grid import Evaluator
-from standfast.quantities import PARAMETERS, QUANTITIES
+from standfast.parameters import PARAMETERS
+from standfast.quantities import QUANTITIES
 from studies import GOOD, UNEQUAL, changed
 
 

@@ -190,7 +190,7 @@ def test_memory_is_bounded(tmp_path):
     """Peak memory of counting 30 million persons: below 1 GiB, and not growing with the number."""
     script = f"""
 from pathlib import Path
-from standfast.population import PopulationStudy, simulate
+from standfast.population.simulation import simulate
 import sys; sys.path.insert(0, {str(Path(populations.__file__).parent)!r})
 from populations import GOOD, of
 peaks = []

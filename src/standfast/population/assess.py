@@ -65,7 +65,7 @@ def assess(
     Parameters
     ----------
     people
-        from :func:`standfast.population.read_people`, with measured stiffnesses where known.
+        from :func:`.read_people`, with measured stiffnesses where known.
     body_model, gravity
         proportions of the segments, and m/s².
     otherwise

@@ -204,7 +204,7 @@ class PopulationStudy:
         Raises
         ------
         InputError
-            as :func:`standfast.population.read_people`, and if the files have changed.
+            as :func:`.read_people`, and if the files have changed.
         """
         if "people" not in self._population:
             return None

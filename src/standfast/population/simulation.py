@@ -24,7 +24,7 @@ from standfast.population.cohort.histograms import Histograms
 from standfast.population.people.records import People
 from standfast.population.people.study import PopulationStudy
 from standfast.population.summary.file import Population, open_population
-from standfast.population.summary.sensitivity import sensitivity_of
+from standfast.population.summary.sensitivity import drivers_of
 from standfast.population.summary.summary import Summary
 from standfast.population.summary.writing import new_persons, write_summary
 from standfast.run.loop import Announce, Progress, RunOptions, checked_options, run_job
@@ -159,8 +159,8 @@ class _Simulation:
                 replicates[replicate].add(piece.histograms)
                 if study.keeps_persons:
                     start = self._write_persons(file, start, numbers, piece.kept)
-            sensitivity = sensitivity_of(self.cohort, study.seed)
-            write_summary(file, study, Summary(study, self.cohort, replicates, sensitivity))
+            drivers = drivers_of(self.cohort, study.seed)
+            write_summary(file, study, Summary(study, self.cohort, replicates, drivers))
 
     def _write_persons(self, file: h5py.File, start: int, blocks: range, kept: bytes) -> int:
         """Write what was kept of the persons of a shard's blocks; return where the next begin."""

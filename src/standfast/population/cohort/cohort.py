@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from standfast.parameters import STIFFNESSES
 from standfast.population.cohort.persons import CohortModel
+from standfast.population.people.distributions import measured_stiffnesses
 from standfast.population.people.records import SEXES, People
 from standfast.population.people.sampling import Sampler
 from standfast.population.people.sobol import aligned
@@ -13,7 +13,6 @@ from standfast.population.people.study import PopulationStudy
 
 # Age classes of people of a file, as NHANES groups adults.
 AGE_CLASSES = ((0.0, "under 20"), (20.0, "20-39"), (40.0, "40-59"), (60.0, "60+"))
-
 
 # Cells of the guide table by which a row is found from a uniform number, for each row.
 GUIDE_CELLS = 64
@@ -23,21 +22,14 @@ GUIDE_CELLS = 64
 class Cohort:
     """Who is sampled, made by :func:`cohort_of`.
 
-    Attributes
-    ----------
-    strata
-        sex and age class of each stratum.
-    people
-        the persons of a file, in rising order of the load that topples them; None if built in.
-    stratum
-        of each of these persons.
+    ``people`` are those of a file, in rising order of the load that topples them; None if built in.
     """
 
     model: CohortModel
     sampler: Sampler
-    strata: tuple[tuple[str, str], ...]
+    strata: tuple[tuple[str, str], ...]  # sex and age class of each
     people: People | None
-    stratum: np.ndarray
+    stratum: np.ndarray  # of each of the people
     rows_by_weight: "WeightedRows | None" = field(repr=False)
 
     @property
@@ -51,22 +43,17 @@ class Cohort:
         drawn = tuple(c.name for c in self.sampler.coordinates)
         if self.people is None:
             return drawn
-        measured = [
-            name
-            for name, distribution in zip(STIFFNESSES, self.model.distributions, strict=True)
-            if distribution.kind == "measured"
-        ]
+        measured = measured_stiffnesses(self.model.distributions)
         return (*drawn[1:], "height", "mass", "stratum", *measured)
 
     def numbers(self, variates: np.ndarray) -> np.ndarray:
         """Return the named numbers (names, n) of persons from their variates (coordinates, n)."""
-        if self.people is None or self.rows_by_weight is None:
+        if self.people is None:
             return variates
         row = self.rows_of(variates)
+        measured = measured_stiffnesses(self.model.distributions)
         columns = [self.people.height, self.people.mass, self.stratum]
-        columns += [
-            self.people.stiffness[name] for name in self.names if name.endswith("_stiffness")
-        ]
+        columns += [self.people.stiffness[name] for name in measured]
         numbers = aligned(len(self.names), variates.shape[1])
         numbers[: len(variates) - 1] = variates[1:]
         for place, column in zip(numbers[len(variates) - 1 :], columns, strict=True):
@@ -128,11 +115,11 @@ class WeightedRows:
     @classmethod
     def of(cls, weights: np.ndarray) -> "WeightedRows":
         """Make the table of some weights."""
+        last = np.flatnonzero(weights)[-1]
         ends = np.cumsum(weights) / weights.sum()
-        ends[np.flatnonzero(weights)[-1] :] = np.inf
+        ends[last:] = np.inf
         cells = GUIDE_CELLS * len(weights)
         first = np.searchsorted(ends, np.arange(cells) / cells, side="right")
-        last = np.flatnonzero(weights)[-1]
         steps = int(np.diff(np.append(first, last)).max())
         return cls(ends, first, steps)
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from standfast.errors import InputError, nearest_name
 from standfast.numerics.arrays import Scalar, namespace
-from standfast.parameters import JOINTS, PARAMETERS, Parameter, checked_number
+from standfast.parameters import JOINTS, PARAMETERS, STIFFNESSES, Parameter, checked_number
 from standfast.population.people.builtin import READY_DISTRIBUTIONS
 from standfast.study.values import known_keys
 
@@ -102,6 +102,12 @@ class StiffnessDistribution:
         """Return it as a study says it."""
         numbers = dict(zip(DISTRIBUTIONS[self.kind], self.numbers, strict=True))
         return {"distribution": self.kind, "relative_to": self.relative_to, **numbers}
+
+
+def measured_stiffnesses(distributions: Iterable[StiffnessDistribution]) -> list[str]:
+    """Return which stiffnesses are measured, given the distributions of ankle, knee and hip."""
+    pairs = zip(STIFFNESSES, distributions, strict=True)
+    return [name for name, distribution in pairs if distribution.kind == "measured"]
 
 
 def checked_word(where: str, given: Any, known: Iterable[str], called: str = "known") -> str:

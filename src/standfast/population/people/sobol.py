@@ -20,6 +20,8 @@ INDEX_BITS = 32
 CACHE_LINE = 64  # bytes
 STREAM = 1  # of a seed, whose plain random numbers are stream 0
 
+PLACES = np.arange(INDEX_BITS - 1, -1, -1, dtype=np.uint64)  # of an index's bits, first digit first
+
 # S. Joe and F. Y. Kuo, SIAM J Sci Comput 30 (2008) 2635-2654, new-joe-kuo-6, dimensions 2 to 64:
 # coefficients of the primitive polynomial, and the initial numbers m (as many as its degree).
 JOE_KUO = (
@@ -92,21 +94,17 @@ JOE_KUO = (
 @lru_cache(maxsize=1)
 def direction_numbers() -> np.ndarray:
     """Return the direction numbers (64, 32) of Sobol's sequence: bit 31 is the first digit."""
-    table = np.empty((1 + len(JOE_KUO), INDEX_BITS), np.uint64)
-    for dimension in range(len(table)):
-        if dimension == 0:
-            initial = [1] * INDEX_BITS
-        else:
-            coefficients, start = JOE_KUO[dimension - 1]
-            degree, initial = len(start), list(start)
-            for i in range(degree, INDEX_BITS):
-                new = initial[i - degree] ^ (initial[i - degree] << degree)
-                for k in range(1, degree):
-                    if (coefficients >> (degree - 1 - k)) & 1:
-                        new ^= initial[i - k] << k
-                initial.append(new)
-        table[dimension] = [m << (INDEX_BITS - 1 - i) for i, m in enumerate(initial)]
-    return table
+    table = np.ones((1 + len(JOE_KUO), INDEX_BITS), np.uint64)
+    for row, (coefficients, start) in zip(table[1:], JOE_KUO, strict=True):
+        degree, m = len(start), list(start)
+        for i in range(degree, INDEX_BITS):
+            new = m[i - degree] ^ (m[i - degree] << degree)
+            for k in range(1, degree):
+                if (coefficients >> (degree - 1 - k)) & 1:
+                    new ^= m[i - k] << k
+            m.append(new)
+        row[:] = m
+    return table << PLACES
 
 
 @lru_cache(maxsize=8)
@@ -115,11 +113,8 @@ def scrambled_directions(seed: int, replicate: int, dimensions: int) -> tuple[np
     sequence = np.random.SeedSequence([seed, STREAM, replicate])
     random = np.random.Generator(np.random.SFC64(sequence))
     plain = direction_numbers()[:dimensions]
-    digits = (plain[:, :, None] >> np.arange(INDEX_BITS - 1, -1, -1, dtype=np.uint64)) & np.uint64(
-        1
-    )
-    lower = random.integers(0, 2, (dimensions, DIGITS, INDEX_BITS), np.uint64)
-    lower = np.tril(lower, -1)
+    digits = (plain[:, :, None] >> PLACES) & np.uint64(1)
+    lower = np.tril(random.integers(0, 2, (dimensions, DIGITS, INDEX_BITS), np.uint64), -1)
     lower[:, np.arange(INDEX_BITS), np.arange(INDEX_BITS)] = 1
     mixed = np.einsum("dij,dkj->dki", lower, digits) & np.uint64(1)
     weights = np.uint64(1) << np.arange(DIGITS - 1, -1, -1, dtype=np.uint64)

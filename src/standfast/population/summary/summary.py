@@ -3,7 +3,8 @@
 import itertools
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -12,11 +13,11 @@ from standfast.parameters import JOINTS
 from standfast.population.cohort.cohort import AGE_CLASSES, Cohort
 from standfast.population.cohort.histograms import (
     BMI_CLASSES,
+    BMI_EDGES,
     HEIGHT_CLASSES,
+    HEIGHT_EDGES,
     Histograms,
     bin_edges,
-    bmi_edges,
-    height_edges,
 )
 from standfast.population.people.builtin import ANSUR, NHANES, SOURCES
 from standfast.population.people.records import SEXES
@@ -25,12 +26,12 @@ from standfast.population.summary.estimators import (
     CONFIDENCE,
     NORMAL_QUANTILE,
     Distribution,
+    Estimate,
     effective_size,
     fraction,
     over_replicates,
     wilson,
 )
-from standfast.population.summary.sensitivity import Sensitivity
 
 # Shares of the population that are to stand, for which the stiffness is asked.
 STANDING_SHARES = (0.5, 0.9, 0.95, 0.99)
@@ -48,9 +49,9 @@ class Summary:
         study: PopulationStudy,
         cohort: Cohort,
         replicates: Sequence[Histograms],
-        sensitivity: Sensitivity,
+        drivers: Mapping[str, Any],
     ) -> None:
-        self.study, self.cohort, self.sensitivity = study, cohort, sensitivity
+        self.study, self.cohort, self.drivers = study, cohort, drivers
         self.classes = np.array([each.classes for each in replicates])
         self.rows = np.sum([each.rows for each in replicates], axis=0)
         self.load_sums = np.array([each.load_sums for each in replicates])
@@ -67,12 +68,11 @@ class Summary:
         persons = self.classes.sum(axis=(1, 2, 3, 4))
         events = self.classes[..., 1].sum(axis=(1, 2, 3))
         unstable = fraction(events, persons)
-        found: dict[str, Any] = {
+        return {
             "title": study.title,
             "gravity": study.gravity,
             "laws": json.loads(study.canonical)["stiffness"],
-            "unstable_fraction": unstable.value,
-            "unstable_fraction_interval": unstable.interval,
+            **unstable.told("unstable_fraction"),
             "confidence": CONFIDENCE,
             "size": study.size,
             "seed": study.seed,
@@ -85,9 +85,8 @@ class Summary:
             "growth_rate_of_the_unstable": _quantiles(self.growth),
             "single_joint_critical_stiffness": self._loads(),
             "required_stiffness": self._required(),
-            "drivers": self._sensitivity(),
+            "drivers": self.drivers,
         }
-        return found
 
     def _people(self, unstable: float, draws: float) -> dict[str, Any]:
         people = self.cohort.people
@@ -100,9 +99,7 @@ class Summary:
             "effective_sample_size": people.effective_size,
             "survey_interval": self._survey_interval(unstable, draws),
             "not_selected": people.not_selected,
-            "rejected": [
-                {"file": r.file, "line": r.line, "reason": r.reason} for r in people.rejected
-            ],
+            "rejected": [asdict(each) for each in people.rejected],
             "remarks": list(people.remarks),
         }
 
@@ -133,30 +130,26 @@ class Summary:
 
     def _strata(self) -> dict[str, Any]:
         """Return the fraction unstable by sex, age, BMI and height."""
+        counts: dict[str, dict[str, np.ndarray]] = {}  # (replicate, verdict) by kind and class
         by_stratum = self.classes.sum(axis=(2, 3))  # replicate, stratum, verdict
-        found: dict[str, Any] = {}
-        for number, key in enumerate(("sex", "age")):
-            labels = [stratum[number] for stratum in self.cohort.strata]
-            found[key] = {
-                label: self._stratum(
-                    by_stratum[:, [i for i, each in enumerate(labels) if each == label]].sum(axis=1)
-                )
+        for key, labels in zip(("sex", "age"), zip(*self.cohort.strata, strict=True), strict=True):
+            counts[key] = {
+                label: by_stratum[:, np.array(labels) == label].sum(axis=1)
                 for label in sorted(set(labels), key=_CLASS_ORDER.index)
-                if by_stratum[:, [i for i, each in enumerate(labels) if each == label]].any()
             }
-        fine: dict[str, tuple[np.ndarray, np.ndarray, Sequence[float]]]
-        fine = {"bmi": (self.classes.sum(axis=(1, 2)), bmi_edges(), BMI_CLASSES)}
-        fine["height"] = (self.classes.sum(axis=(1, 3)), height_edges(), HEIGHT_CLASSES)
-        for key, (counts, edges, limits) in fine.items():
+        fine = {
+            "bmi": (self.classes.sum(axis=(1, 2)), BMI_EDGES, BMI_CLASSES),
+            "height": (self.classes.sum(axis=(1, 3)), HEIGHT_EDGES, HEIGHT_CLASSES),
+        }
+        for key, (by_bin, edges, limits) in fine.items():
             # the first of the fine bins is all that lies below the first edge
             cuts = [0, *(1 + int(np.argmin(abs(edges - limit))) for limit in limits)]
-            sums = np.add.reduceat(counts, cuts, axis=1)
-            found[key] = {
-                label: self._stratum(sums[:, i])
-                for i, label in enumerate(_class_labels(limits))
-                if sums[:, i].sum() > 0
-            }
-        return found
+            sums = np.add.reduceat(by_bin, cuts, axis=1).swapaxes(0, 1)
+            counts[key] = dict(zip(_class_labels(limits), sums, strict=True))
+        return {
+            key: {label: self._stratum(each) for label, each in classes.items() if each.any()}
+            for key, classes in counts.items()
+        }
 
     def _stratum(self, counts: np.ndarray) -> dict[str, Any]:
         """Return share and risk of the persons counted (replicate, verdict)."""
@@ -164,8 +157,7 @@ class Summary:
         unstable = fraction(counts[:, 1], persons)
         return {
             "share": float(persons.sum() / self.classes.sum()),
-            "unstable_fraction": unstable.value,
-            "interval": unstable.interval,
+            **unstable.told("unstable_fraction", "interval"),
         }
 
     def _loads(self) -> dict[str, Any]:
@@ -178,16 +170,11 @@ class Summary:
             variance = squares.sum() / persons.sum() - mean**2
             if variance < SAME * mean**2:
                 variance = 0.0
+            half = NORMAL_QUANTILE * math.sqrt(variance / persons.sum())
+            low, high = mean - half, mean + half
             if len(persons) > 1:
-                interval = over_replicates(sums / persons).interval
-            else:
-                half = NORMAL_QUANTILE * math.sqrt(variance / persons.sum())
-                interval = [mean - half, mean + half]
-            found[joint] = {
-                "mean": float(mean),
-                "mean_interval": [float(end) for end in interval],
-                "sd": math.sqrt(variance),
-            }
+                low, high = over_replicates(sums / persons).interval
+            found[joint] = {**Estimate(mean, low, high).told("mean"), "sd": math.sqrt(variance)}
         return found
 
     def _required(self) -> dict[str, Any]:
@@ -197,43 +184,16 @@ class Summary:
             found[joint] = {}
             rigid = distribution.kind == "fixed" and math.isinf(distribution.numbers[0])
             for share in STANDING_SHARES:
-                stiffness = self.threshold[joint].quantile(share)
-                multiple = self.multiple[joint].quantile(share)
+                multiple = self.multiple[joint].quantile(share).told("multiple")
                 found[joint][f"{share:g}"] = {
-                    "stiffness": _finite(stiffness.value),
-                    "stiffness_interval": [_finite(end) for end in stiffness.interval],
-                    "multiple": None if rigid else _finite(multiple.value),
-                    "multiple_interval": None
-                    if rigid
-                    else [_finite(end) for end in multiple.interval],
+                    **self.threshold[joint].quantile(share).told("stiffness"),
+                    **(dict.fromkeys(multiple) if rigid else multiple),
                 }
         found["all"] = {}
         for share in STANDING_SHARES:
             safety = self.safety.quantile(1.0 - share)
-            found["all"][f"{share:g}"] = {
-                "multiple": _finite(_inverse(safety.value)),
-                "multiple_interval": [_finite(_inverse(e)) for e in reversed(safety.interval)],
-            }
-        return found
-
-    def _sensitivity(self) -> dict[str, Any]:
-        found: dict[str, Any] = {}
-        for output in ("unstable", "safety_factor"):
-            if output in self.sensitivity.remarks:
-                found[output] = {"remark": self.sensitivity.remarks[output]}
-                continue
-            indices = self.sensitivity.indices[output]
-            found[output] = {
-                factor: {
-                    "first": first.value,
-                    "first_interval": first.interval,
-                    "total": total.value,
-                    "total_interval": total.interval,
-                }
-                for factor, first, total in zip(
-                    self.sensitivity.factors, indices.first, indices.total, strict=True
-                )
-            }
+            multiple_of_all = Estimate(*map(_inverse, (safety.value, safety.high, safety.low)))
+            found["all"][f"{share:g}"] = multiple_of_all.told("multiple")
         return found
 
 
@@ -251,19 +211,8 @@ def _quantiles(distribution: Distribution) -> dict[str, Any] | None:
     """Return quantiles with intervals; None where nobody was counted."""
     if distribution.size == 0:
         return None
-    found = {}
-    for share in SHARES_TOLD:
-        quantile = distribution.quantile(share)
-        found[f"{share:g}"] = {
-            "value": _finite(quantile.value),
-            "interval": [_finite(end) for end in quantile.interval],
-        }
-    return found
-
-
-def _finite(value: float) -> float | None:
-    """Return a number, or None where JSON has none: no stiffness suffices."""
-    return float(value) if math.isfinite(value) else None
+    quantiles = {f"{share:g}": distribution.quantile(share) for share in SHARES_TOLD}
+    return {share: each.told("value", "interval") for share, each in quantiles.items()}
 
 
 def _inverse(value: float) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 
 from standfast.atlas.layout import set_attributes, set_text
 from standfast.parameters import JOINTS, PARAMETERS, STIFFNESS_UNIT
-from standfast.population.cohort.histograms import bmi_edges, height_edges
+from standfast.population.cohort.histograms import BMI_EDGES, HEIGHT_EDGES
 from standfast.population.people.study import PopulationStudy
 from standfast.population.summary.estimators import Distribution
 from standfast.population.summary.file import FORMAT, FORMAT_VERSION
@@ -55,7 +55,7 @@ def write_summary(file: h5py.File, study: PopulationStudy, summary: Summary) -> 
 
 def _write_axes(file: h5py.File) -> None:
     """Write the axes of all arrays as dimension scales."""
-    heights, bmis = height_edges(), bmi_edges()
+    heights, bmis = HEIGHT_EDGES, BMI_EDGES
     axes = {
         "height": (0.5 * (heights[1:] + heights[:-1]), PARAMETERS["height"].unit, "height"),
         "bmi": (0.5 * (bmis[1:] + bmis[:-1]), PARAMETERS["bmi"].unit, "body mass index"),

@@ -116,21 +116,18 @@ class _Simulation:
     def kind(self, unit: Block) -> Hashable:
         return is_detailed(self.study, unit)
 
-    def batch(self, kind: Hashable) -> int:
-        del kind
+    def batch(self, _kind: Hashable) -> int:
         return 1
 
     def compute(self, unit: Block) -> Counts:
         return count_block(self.study, self.cohort, unit)
 
-    def stored_bytes(self, unit: Block, piece: Counts) -> float:
-        del unit
+    def stored_bytes(self, _unit: Block, piece: Counts) -> float:
         return self._empty().nbytes / len(self.study.shards[0][1]) + len(piece.kept)
 
     def into_shard(
-        self, path: Path | None, shard: int, pieces: Iterable[Counts]
+        self, path: Path | None, _shard: int, pieces: Iterable[Counts]
     ) -> Generator[Counts, None, None]:
-        del shard
         together, kept = self._empty(), []
         for piece in pieces:
             together.add(piece.histograms)
@@ -142,16 +139,14 @@ class _Simulation:
                 file.write(together.to_bytes() + whole.kept)
         yield whole
 
-    def out_of_shard(self, path: Path, shard: int) -> Iterator[Counts]:
-        del shard
+    def out_of_shard(self, path: Path, _shard: int) -> Iterator[Counts]:
         content = path.read_bytes()[HEADER_BYTES:]
         histograms = Histograms.from_bytes(content, *histogram_shapes(self.cohort))
         yield Counts(vars(histograms), content[histograms.nbytes :])
 
     def assemble(self, path: Path, pieces: Iterable[Counts]) -> None:
-        study = self.study
+        study, start = self.study, 0
         replicates = [self._empty() for _ in range(study.replicates)]
-        start = 0
         with failures_of_hdf5(path), h5py.File(path, "w", libver=LIBRARIES) as file:
             if study.keeps_persons:
                 new_persons(file, study.size, KEPT)

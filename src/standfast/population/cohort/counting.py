@@ -9,13 +9,7 @@ import numpy as np
 from standfast.engine.mapping import map_over_batch
 from standfast.parameters import JOINTS, STIFFNESSES
 from standfast.population.cohort.cohort import Cohort
-from standfast.population.cohort.histograms import (
-    bin_of,
-    bins_of,
-    class_of,
-    class_shape,
-    counted,
-)
+from standfast.population.cohort.histograms import bin_of, bins_of, class_of, class_shape, counted
 from standfast.population.cohort.persons import growth, outcome
 from standfast.population.people.study import PopulationStudy
 

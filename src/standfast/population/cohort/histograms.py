@@ -21,10 +21,7 @@ VALUE_BINS = OCTAVES << BITS_PER_OCTAVE
 _SHIFT = 52 - BITS_PER_OCTAVE
 _FIRST = (1023 + LOWEST_OCTAVE) << BITS_PER_OCTAVE
 
-# Edges of the classes people are told apart by, after the World Health Organization for BMI; the
-# fine bins of the risk map fall on all of them.
-HEIGHT_CLASSES = (1.55, 1.65, 1.75, 1.85)
-BMI_CLASSES = (18.5, 25.0, 30.0, 35.0, 40.0)
+# The fine bins of the risk map.
 HEIGHT_STEP, HEIGHT_BINS, HEIGHT_START = 0.025, 40, 1.2  # m
 BMI_STEP, BMI_BINS, BMI_START = 0.5, 120, 10.0  # kg/m²
 HEIGHT_EDGES = np.round(HEIGHT_START + HEIGHT_STEP * np.arange(HEIGHT_BINS + 1), 3)

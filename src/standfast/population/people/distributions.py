@@ -87,16 +87,11 @@ class StiffnessDistribution:
             # at the cut itself rounding may fall below 0
             value = xp.maximum(mean + sd * variate, 0.0)
         else:
-            mu, sigma = self.log_numbers
+            mean, sd = self.numbers
+            variance = math.log1p((sd / mean) ** 2)
+            mu, sigma = math.log(mean) - 0.5 * variance, math.sqrt(variance)
             value = xp.exp(mu + sigma * variate)
         return value * load
-
-    @property
-    def log_numbers(self) -> tuple[float, float]:
-        """μ and σ of a lognormal distribution."""
-        mean, sd = self.numbers
-        variance = math.log1p((sd / mean) ** 2)
-        return math.log(mean) - 0.5 * variance, math.sqrt(variance)
 
     def canonical(self) -> dict[str, Any]:
         """Return it as a study says it."""
@@ -230,3 +225,17 @@ def checked_correlation(
 
 def _has_three(given: Any) -> bool:
     return isinstance(given, list | tuple) and len(given) == 3
+
+
+def checked_stiffness(given: Any) -> tuple[dict[str, StiffnessDistribution], Correlation]:
+    """Check the distributions of the three joints' stiffness and their correlation."""
+    known_keys("[stiffness]", given, (*JOINTS, "correlation"))
+    for joint in JOINTS:
+        if joint not in given:
+            raise InputError(
+                f"[stiffness.{joint}] is missing; for a rigid {joint} write "
+                'distribution = "fixed" and value = inf'
+            )
+    distributions = {joint: checked_distribution(joint, given[joint]) for joint in JOINTS}
+    correlation = given.get("correlation", UNCORRELATED)
+    return distributions, checked_correlation(correlation, distributions)

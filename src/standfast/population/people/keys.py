@@ -7,17 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from standfast.errors import InputError, nearest_name
-from standfast.parameters import BODY_MODELS, JOINTS
+from standfast.parameters import BODY_MODELS
 from standfast.population.people.builtin import PARTITION, POPULATIONS, Subpopulation
 from standfast.population.people.csv_table import digest
-from standfast.population.people.distributions import (
-    UNCORRELATED,
-    Correlation,
-    StiffnessDistribution,
-    checked_correlation,
-    checked_distribution,
-    checked_word,
-)
+from standfast.population.people.distributions import checked_word
 from standfast.population.people.records import SEXES
 from standfast.population.people.sobol import REPLICATES
 from standfast.study.values import known_keys
@@ -31,20 +24,6 @@ CHOICES = {
 }
 LARGEST_SIZE = 10**11
 LARGEST_QUASI = REPLICATES * 2**32  # Sobol points are numbered with 32 bits
-
-
-def checked_stiffness(given: Any) -> tuple[dict[str, StiffnessDistribution], Correlation]:
-    """Check the distributions of the three joints' stiffness and their correlation."""
-    known_keys("[stiffness]", given, (*JOINTS, "correlation"))
-    for joint in JOINTS:
-        if joint not in given:
-            raise InputError(
-                f"[stiffness.{joint}] is missing; for a rigid {joint} write "
-                'distribution = "fixed" and value = inf'
-            )
-    distributions = {joint: checked_distribution(joint, given[joint]) for joint in JOINTS}
-    correlation = given.get("correlation", UNCORRELATED)
-    return distributions, checked_correlation(correlation, distributions)
 
 
 def checked_population(given: Any, folder: Path) -> tuple[dict[str, Any], tuple[Path, ...]]:

@@ -143,6 +143,9 @@ def _people(
     weight = column("weight")
     if not weight.sum() > 0.0:
         raise InputError(f"{tables[0].name}: the weights of all usable rows are 0")
+    remarks = [f"{table.name}: {remark}" for table in tables for remark in table.remarks]
+    if children := int((column("age") < ADULT).sum()):
+        remarks.append(f"{children:,} are under {ADULT} years, and the body models are of adults")
     return People(
         tuple(str(person["id"]) for person in persons),
         column("height"),
@@ -153,17 +156,8 @@ def _people(
         {name: column(name) for name in STIFFNESSES if name in columns},
         rejected,
         not_selected,
-        _remarks(tables, column("age")),
+        tuple(remarks),
     )
-
-
-def _remarks(tables: Sequence[Table], age: np.ndarray) -> tuple[str, ...]:
-    """Say what a user may not have meant."""
-    remarks = [f"{table.name}: {remark}" for table in tables for remark in table.remarks]
-    children = int((age < ADULT).sum())
-    if children:
-        remarks.append(f"{children:,} are under {ADULT} years, and the body models are of adults")
-    return tuple(remarks)
 
 
 def _by_id(tables: Sequence[Table], holders: Sequence[Table]) -> list[dict[str, dict[str, str]]]:

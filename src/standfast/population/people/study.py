@@ -16,14 +16,10 @@ from standfast.population.people.distributions import (
     Correlation,
     StiffnessDistribution,
     checked_distribution,
+    checked_stiffness,
     measured_stiffnesses,
 )
-from standfast.population.people.keys import (
-    age_range,
-    checked_population,
-    checked_stiffness,
-    subpopulations_of,
-)
+from standfast.population.people.keys import age_range, checked_population, subpopulations_of
 from standfast.population.people.records import People, read_people
 from standfast.population.people.sobol import LARGEST_BLOCK, REPLICATES
 from standfast.study.canonical import canonical_text, fingerprint_of, from_json, json_value

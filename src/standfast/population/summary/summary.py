@@ -11,14 +11,7 @@ import numpy as np
 
 from standfast.parameters import JOINTS
 from standfast.population.cohort.cohort import AGE_CLASSES, Cohort
-from standfast.population.cohort.histograms import (
-    BMI_CLASSES,
-    BMI_EDGES,
-    HEIGHT_CLASSES,
-    HEIGHT_EDGES,
-    Histograms,
-    bin_edges,
-)
+from standfast.population.cohort.histograms import BMI_EDGES, HEIGHT_EDGES, Histograms, bin_edges
 from standfast.population.people.builtin import ANSUR, NHANES, SOURCES
 from standfast.population.people.records import SEXES
 from standfast.population.people.study import PopulationStudy
@@ -33,12 +26,18 @@ from standfast.population.summary.estimators import (
     wilson,
 )
 
-# Shares of the population that are to stand, for which the stiffness is asked.
-STANDING_SHARES = (0.5, 0.9, 0.95, 0.99)
-# Fewer people tell nothing of the population that they are a sample of.
-FEWEST_PEOPLE = 30
+# Edges of the classes people are told apart by, after the World Health Organization for BMI; the
+# fine bins of the risk map fall on all of them.
+HEIGHT_CLASSES = (1.55, 1.65, 1.75, 1.85)
+BMI_CLASSES = (18.5, 25.0, 30.0, 35.0, 40.0)
+STANDING_SHARES = (0.5, 0.9, 0.95, 0.99)  # that are to stand, for which the stiffness is asked
+FEWEST_PEOPLE = 30  # fewer tell nothing of the population that they are a sample of
 SAME = 1e-12  # a relative variance that is rounding
 SHARES_TOLD = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
+
+
+# Sexes and age classes in the order in which they are told.
+CLASS_ORDER = [*SEXES, *(name for _, name in AGE_CLASSES), *(g.age for g in (*NHANES, *ANSUR))]
 
 
 class Summary:
@@ -135,7 +134,7 @@ class Summary:
         for key, labels in zip(("sex", "age"), zip(*self.cohort.strata, strict=True), strict=True):
             counts[key] = {
                 label: by_stratum[:, np.array(labels) == label].sum(axis=1)
-                for label in sorted(set(labels), key=_CLASS_ORDER.index)
+                for label in sorted(set(labels), key=CLASS_ORDER.index)
             }
         fine = {
             "bmi": (self.classes.sum(axis=(1, 2)), BMI_EDGES, BMI_CLASSES),
@@ -195,10 +194,6 @@ class Summary:
             multiple_of_all = Estimate(*map(_inverse, (safety.value, safety.high, safety.low)))
             found["all"][f"{share:g}"] = multiple_of_all.told("multiple")
         return found
-
-
-# Sexes and age classes in the order in which they are told.
-_CLASS_ORDER = [*SEXES, *(name for _, name in AGE_CLASSES), *(g.age for g in (*NHANES, *ANSUR))]
 
 
 def _class_labels(limits: Sequence[float]) -> list[str]:

@@ -52,9 +52,11 @@ def assess(
     Found are thresholds of each joint alone (the other two rigid) and with the other two as they
     are, safety factor, reserve, frequency, strategy, and what each joint would have to gain.
     """
-    known = {
-        joint: _known(people, joint, (otherwise or {}).get(joint, math.nan)) for joint in JOINTS
-    }
+    known = {}
+    for joint in JOINTS:
+        measured = people.stiffness.get(f"{joint}_stiffness", np.full(len(people), math.nan))
+        instead = (otherwise or {}).get(joint, math.nan)
+        known[joint] = np.where(np.isnan(measured), instead, measured)
     given = np.array([people.height, people.mass, *known.values()])
     names = ("height", "mass", *STIFFNESSES)
     found = map_over_batch(_of_one, (body_model, float(gravity)), names)(given)
@@ -133,12 +135,6 @@ def _of_one(setting: tuple[str, float], given: Mapping[str, Scalar]) -> dict[str
         "frequency": frequency(of_modes.eigenvalues[0]),
         "hip_ankle_ratio": ratio_to_ankle("hip", stiffness, of_modes),
     }
-
-
-def _known(people: People, joint: str, otherwise: float) -> np.ndarray:
-    """Return a joint's stiffness of each person, or what is taken where it is not known."""
-    measured = people.stiffness.get(f"{joint}_stiffness", np.full(len(people), math.nan))
-    return np.where(np.isnan(measured), otherwise, measured)
 
 
 def _entry(value: Any) -> str:

@@ -13,22 +13,17 @@ from standfast.population.people.study import PopulationStudy
 
 # Age classes of people of a file, as NHANES groups adults.
 AGE_CLASSES = ((0.0, "under 20"), (20.0, "20-39"), (40.0, "40-59"), (60.0, "60+"))
-
-# Cells of the guide table by which a row is found from a uniform number, for each row.
-GUIDE_CELLS = 64
+GUIDE_CELLS = 64  # of the table by which a row is found from a uniform number, for each row
 
 
 @dataclass(frozen=True)
 class Cohort:
-    """Who is sampled, made by :func:`cohort_of`.
-
-    ``people`` are those of a file, in rising order of the load that topples them; None if built in.
-    """
+    """Who is sampled, made by :func:`cohort_of`."""
 
     model: CohortModel
     sampler: Sampler
     strata: tuple[tuple[str, str], ...]  # sex and age class of each
-    people: People | None
+    people: People | None  # of a file, in rising order of the load that topples them
     stratum: np.ndarray  # of each of the people
     rows_by_weight: "WeightedRows | None" = field(repr=False)
 
@@ -70,7 +65,6 @@ class Cohort:
 def cohort_of(study: PopulationStudy, people: People | None) -> Cohort:
     """Return the cohort of a study, whose files of people have been read."""
     stratum = np.zeros(0)
-    by_weight: WeightedRows | None = None
     if people is None:
         strata = tuple((each.sex, each.age) for each in study.subpopulations)
     else:
@@ -80,7 +74,6 @@ def cohort_of(study: PopulationStudy, people: People | None) -> Cohort:
         ages = [name for _, name in AGE_CLASSES] + ["unknown"]
         strata = tuple((sex, age) for sex in SEXES for age in ages if (sex, age) in set(labels))
         stratum = np.array([strata.index(label) for label in labels], np.float64)
-        by_weight = WeightedRows.of(people.weight)
     model = CohortModel(
         study.gravity,
         str(study.content["population"]["body_model"]),
@@ -90,6 +83,7 @@ def cohort_of(study: PopulationStudy, people: People | None) -> Cohort:
         study.distributions,
     )
     sampler = Sampler(model.coordinates, study.correlation, study.method, study.seed)
+    by_weight = WeightedRows.of(people.weight) if people is not None else None
     return Cohort(model, sampler, strata, people, stratum, by_weight)
 
 

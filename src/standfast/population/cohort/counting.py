@@ -17,7 +17,6 @@ from standfast.population.people.study import PopulationStudy
 # standing bears, and the rest are only asked whether they fall.
 DETAILED = 2**20
 MOST_FALLS = 8192  # of those in a block, at most so many have their growth rate computed
-
 # What is kept of every person when asked, beside whether they stand.
 KEPT = ("height", "mass", *STIFFNESSES, "safety_factor", "stable")
 

@@ -6,7 +6,7 @@ is either a table of subpopulations, whose people are sampled, or a file of peop
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from standfast.anthropometry.body import REFERENCE_PEOPLE, Body, body_of
@@ -14,7 +14,7 @@ from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import Scalar, namespace
 from standfast.parameters import JOINTS
-from standfast.population.people.builtin import PROPORTIONS, Proportions, Subpopulation
+from standfast.population.people.builtin import PROPORTIONS, Subpopulation
 from standfast.population.people.distributions import Coordinate, StiffnessDistribution
 from standfast.stability.margins import safety_factor
 from standfast.stability.modes import growth_rate, modes
@@ -27,14 +27,11 @@ BELOW_ANKLE = 0.039
 
 @dataclass(frozen=True, slots=True)
 class CohortModel:
-    """What makes a population's persons, without seed or size; hashable, so compiled once.
-
-    ``subpopulations`` is empty for people of a file; ``strata_sexes`` is the sex of each stratum.
-    """
+    """What makes a population's persons, without seed or size; hashable, so compiled once."""
 
     gravity: float
     body_model: str
-    subpopulations: tuple[Subpopulation, ...]
+    subpopulations: tuple[Subpopulation, ...]  # none for people of a file
     strata_sexes: tuple[str, ...]
     scattered: bool
     distributions: tuple[StiffnessDistribution, StiffnessDistribution, StiffnessDistribution]
@@ -42,10 +39,9 @@ class CohortModel:
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """What each person draws."""
+        person = [Coordinate("group", "uniform")] if len(self.subpopulations) > 1 else []
         if self.subpopulations:
-            person = [Coordinate("height", "normal"), Coordinate("bmi", "normal")]
-            if len(self.subpopulations) > 1:
-                person.insert(0, Coordinate("group", "uniform"))
+            person += [Coordinate("height", "normal"), Coordinate("bmi", "normal")]
         else:
             person = [Coordinate("person", "uniform")]
         if self.scattered:
@@ -80,7 +76,7 @@ def person_of(model: CohortModel, given: Mapping[str, Scalar]) -> Person:
     reference = REFERENCE_PEOPLE[model.body_model]
     body = body_of({"body_model": reference, "height": height, "mass": mass})
     if model.scattered:
-        body = _scattered(body, height, _of_sex(model, stratum), given)
+        body = _scattered(body, height, _scatter(model, stratum), given)
     loads, _, _ = joint_gravity(body, model.gravity)
     stiffness = []
     for joint, distribution, own in zip(JOINTS, model.distributions, loads, strict=True):
@@ -114,14 +110,12 @@ def _sampled(
     return height, bmi * height**2, of_group([float(i) for i in range(len(groups))])
 
 
-def _of_sex(model: CohortModel, stratum: Scalar) -> Proportions:
+def _scatter(model: CohortModel, stratum: Scalar) -> list[Scalar]:
     """Return the scatter of proportions of a stratum's sex."""
     xp = namespace(stratum)
-    rows = [astuple(PROPORTIONS[sex]) for sex in model.strata_sexes]
+    rows = [PROPORTIONS[sex] for sex in model.strata_sexes]
     is_stratum = [stratum == number for number in range(len(rows) - 1)]
-    return Proportions(
-        *(_first_that_holds(xp, is_stratum, column) for column in zip(*rows, strict=True))
-    )
+    return [_first_that_holds(xp, is_stratum, column) for column in zip(*rows, strict=True)]
 
 
 def _first_that_holds(xp: Any, conditions: Sequence[Scalar], values: Sequence[float]) -> Scalar:
@@ -133,7 +127,7 @@ def _first_that_holds(xp: Any, conditions: Sequence[Scalar], values: Sequence[fl
 
 
 def _scattered(
-    body: Body, height: Scalar, scatter: Proportions, given: Mapping[str, Scalar]
+    body: Body, height: Scalar, scatter: Sequence[Scalar], given: Mapping[str, Scalar]
 ) -> Body:
     """Give a body its own proportions: shank and thigh longer or shorter, stature kept.
 
@@ -141,9 +135,9 @@ def _scattered(
     makes up for both legs' segments.
     """
     xp = namespace(*body, given["shank"], given["thigh"])
-    r = scatter.correlation
-    shank = 1.0 + scatter.shank_sd * given["shank"]
-    thigh = 1.0 + scatter.thigh_sd * (r * given["shank"] + xp.sqrt(1.0 - r**2) * given["thigh"])
+    shank_sd, thigh_sd, r = scatter
+    shank = 1.0 + shank_sd * given["shank"]
+    thigh = 1.0 + thigh_sd * (r * given["shank"] + xp.sqrt(1.0 - r**2) * given["thigh"])
     legs = body.segment_length
     longer = legs[0] * (shank - 1.0) + legs[1] * (thigh - 1.0)
     upper = 1.0 - longer / (height * (1.0 - BELOW_ANKLE) - legs[0] - legs[1])

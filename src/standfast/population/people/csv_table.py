@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import TypeAlias
 
 from standfast.errors import InputError
 from standfast.parameters import STIFFNESSES
@@ -31,20 +31,14 @@ NAMES: Mapping[tuple[str, float], str] = {
 }
 COLUMNS = {name: holds for holds, names in NAMES.items() for name in names.split()}
 
+# By what it holds, the place of a column in each row, and how many of its units are one of SI.
+Columns: TypeAlias = dict[str, tuple[int, float]]
+
 
 def digest(paths: Sequence[Path]) -> str:
     """Return the SHA-256 of the files' contents, one after the other."""
-    total = hashlib.sha256()
-    for path in paths:
-        total.update(hashlib.sha256(_bytes_of(path)).digest())
-    return total.hexdigest()
-
-
-class Column(NamedTuple):
-    """Where a column stands in each row, and how many of its units are one of SI."""
-
-    place: int
-    factor: float
+    digests = [hashlib.sha256(_bytes_of(path)).digest() for path in paths]
+    return hashlib.sha256(b"".join(digests)).hexdigest()
 
 
 @dataclass(frozen=True)
@@ -53,7 +47,7 @@ class Table:
 
     name: str
     header: tuple[str, ...]
-    columns: Mapping[str, Column]
+    columns: Columns
     rows: list[tuple[int, dict[str, str]]]
     remarks: tuple[str, ...]
 
@@ -104,9 +98,9 @@ def read_table(path: Path) -> Table:
     return Table(path.name, tuple(header), columns, rows, _misspelt(header, columns))
 
 
-def _recognised(path: Path, header: Sequence[str]) -> dict[str, Column]:
+def _recognised(path: Path, header: Sequence[str]) -> Columns:
     """Return the known columns by what they hold."""
-    columns: dict[str, Column] = {}
+    columns: Columns = {}
     for place, name in enumerate(header):
         if (known := COLUMNS.get(_normal(name))) is None:
             continue
@@ -114,15 +108,15 @@ def _recognised(path: Path, header: Sequence[str]) -> dict[str, Column]:
         if name.strip().lower() == "weightkg" and "stature" not in map(_normal, header):
             factor = 1.0  # hectograms in ANSUR II alone
         if field in columns:
-            first = header[columns[field].place]
+            first = header[columns[field][0]]
             raise InputError(
                 f"{path}: the columns {first!r} and {name!r} both hold {field}; keep one"
             )
-        columns[field] = Column(place, factor)
+        columns[field] = (place, factor)
     return columns
 
 
-def _misspelt(header: Sequence[str], found: Mapping[str, Column]) -> tuple[str, ...]:
+def _misspelt(header: Sequence[str], found: Columns) -> tuple[str, ...]:
     """Say which columns are not used although their names are nearly those of a missing one."""
     remarks = []
     for name in header:

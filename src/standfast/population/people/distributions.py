@@ -21,7 +21,6 @@ from standfast.population.people.builtin import READY_DISTRIBUTIONS
 from standfast.study.values import known_keys
 
 RELATIVE_TO = ("absolute", "single_joint_critical", "mgh")
-
 # The numbers that each distribution is given by.
 DISTRIBUTIONS: Mapping[str, tuple[str, ...]] = {
     "fixed": ("value",),
@@ -175,7 +174,6 @@ def _check_numbers(where: str, distribution: str, numbers: tuple[float, ...]) ->
 
 Correlation = tuple[tuple[float, ...], ...]
 UNCORRELATED: Correlation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-
 # What rounding may take from the smallest eigenvalue of a correlation matrix that is just possible.
 SINGULAR = -1e-10
 

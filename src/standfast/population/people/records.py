@@ -13,13 +13,11 @@ from standfast.population.people.csv_table import Table, hint, read_table
 
 SEXES = ("male", "female", "unknown")
 ADULT = 18
-
 SEX_WORDS = dict.fromkeys(("male", "m", "man"), "male")
 SEX_WORDS |= dict.fromkeys(("female", "f", "woman", "w"), "female")
 SEX_WORDS |= dict.fromkeys(("unknown", "other", "na", "nan", "none", "n/a", "", "."), "unknown")
 NHANES_SEX = {1.0: "male", 2.0: "female"}
 NOTHING = ("", ".", "na", "nan", "none")
-
 AGE = Parameter("age", "", "years", "age", 0.0, 130.0)
 WEIGHT = Parameter("weight", "", "1", "weight of the record", 0.0, 1e12)
 

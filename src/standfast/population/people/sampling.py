@@ -17,7 +17,6 @@ from standfast.population.people.sobol import aligned, sobol_block
 
 STREAM = 0  # of a seed; scrambling is another
 ROUNDING = 1e-12  # of an eigenvalue of a correlation
-
 # Below this variate a standard normal number does not come in float64: nothing is cut off.
 NEVER = -8.3
 
@@ -75,8 +74,7 @@ class Sampler:
         """
         places = [JOINTS.index(self.coordinates[row].name) for row in self.correlated]
         values, vectors = np.linalg.eigh(np.array(self.correlation)[np.ix_(places, places)])
-        mixing: np.ndarray = vectors * np.sqrt(np.where(values > ROUNDING, values, 0.0))
-        return mixing
+        return np.asarray(vectors * np.sqrt(np.where(values > ROUNDING, values, 0.0)))
 
     def _correlate(self, variates: np.ndarray) -> None:
         """Correlate independent normal rows in place, then give each its own distribution."""

@@ -14,7 +14,6 @@ import numpy as np
 # Independent scramblings of a quasi-Monte Carlo run: the interval is Student's t of their spread.
 REPLICATES = 16
 LARGEST_BLOCK = 2**17
-
 DIGITS = 52  # (x + ½) / 2⁵² is exact in float64 and neither 0 nor 1
 INDEX_BITS = 32
 CACHE_LINE = 64  # bytes

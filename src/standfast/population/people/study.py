@@ -26,9 +26,7 @@ from standfast.study.canonical import canonical_text, fingerprint_of, from_json,
 from standfast.study.toml import read_toml
 from standfast.study.values import checked_title, known_keys
 
-TOP_KEYS = ("title", "gravity", "population", "stiffness", "output")
 MOST_KEPT = 10**8  # persons stored one by one
-
 # Blocks that are written together: about a second of work, and less where every person is kept.
 BLOCKS_PER_SHARD, BLOCKS_PER_SHARD_KEPT = 64, 2
 
@@ -65,7 +63,7 @@ class PopulationStudy:
         """Check a study given as nested mappings, laid out as in the TOML file, or refuse it."""
         if isinstance(content, Mapping) and "body" in content and "population" not in content:
             raise InputError("this is the study of a sweep; run: standfast sweep")
-        known_keys("study", content, TOP_KEYS)
+        known_keys("study", content, ("title", "gravity", "population", "stiffness", "output"))
         title = checked_title(content)
         gravity = content.get("gravity", STANDARD_GRAVITY)
         if isinstance(gravity, list | tuple | Mapping):

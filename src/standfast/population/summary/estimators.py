@@ -15,10 +15,8 @@ from scipy.special import bdtrik, stdtrit
 CONFIDENCE = 0.95
 NORMAL_QUANTILE = 1.959963984540054
 LARGE = 10**6  # from here on the binomial distribution is normal
-
 # With fewer events the spread of the replicates is itself too uncertain to go by alone.
 FEW_EVENTS = 30
-
 # A bin that holds so many times more than its neighbours holds one value, not a stretch of them.
 ATOM = 4.0
 
@@ -99,13 +97,10 @@ def effective_size(events: np.ndarray, persons: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class Distribution:
-    """Counts of a positive number in bins, by replicate, read as a distribution function.
-
-    The first column of counts is what lies below all bins, the last what lies above.
-    """
+    """Counts of a positive number in bins, by replicate, read as a distribution function."""
 
     edges: np.ndarray  # (bins + 1,), rising
-    counts: np.ndarray  # (replicates, bins + 2)
+    counts: np.ndarray  # (replicates, bins + 2); the first lie below all bins, the last above
 
     @property
     def size(self) -> int:
@@ -144,8 +139,7 @@ class Distribution:
             return value
         counts = self.counts.sum(axis=0)
         found = min(int(np.searchsorted(self.edges, value)), len(counts) - 2)
-        around = max(counts[found - 1], counts[found + 1])
-        alike = counts[found] > ATOM * around
+        alike = counts[found] > ATOM * max(counts[found - 1], counts[found + 1])
         return float(self.edges[found - 1 + end]) if alike else value
 
     @cached_property

@@ -13,34 +13,27 @@ from standfast.population.people.sampling import Sampler
 from standfast.population.people.sobol import REPLICATES, sobol_block
 from standfast.population.summary.estimators import NoVarianceError, sobol_indices
 
-# Persons a scrambling, on which sensitivity is asked.
-SENSITIVITY_SIZE = 2**13
+SENSITIVITY_SIZE = 2**13  # persons a scrambling, on which sensitivity is asked
 FEWEST_EVENTS = 200  # falls or non-falls, below which indices of falling are chance
 SENSITIVITY_SEED = 2**63  # added to the study's, so that sensitivity has numbers of its own
 
 
 def drivers_of(cohort: Cohort, seed: int) -> dict[str, dict[str, Any]]:
-    """Say which factors drive falling and the safety factor; in a remark where nothing does.
-
-    Sobol indices of all factors, with intervals from independent scramblings.
-    """
+    """Return the Sobol indices of falling and of the safety factor by factor, or a remark."""
     factors = factors_of(cohort.sampler)
-    dimensions = len(cohort.sampler.coordinates)
+    dimensions = 2 * len(cohort.sampler.coordinates)
     outputs: dict[str, list[list[np.ndarray]]] = {"unstable": [], "safety_factor": []}
     of_margins = map_over_batch(margins, cohort.model, cohort.names)
     for replicate in range(REPLICATES):
-        points = sobol_block(
-            seed + SENSITIVITY_SEED, replicate, 0, 2 * dimensions, SENSITIVITY_SIZE
-        )
-        first, second = points[:dimensions], points[dimensions:]
-        samples = [first.copy(), second]
+        points = sobol_block(seed + SENSITIVITY_SEED, replicate, 0, dimensions, SENSITIVITY_SIZE)
+        first, second = np.split(points, 2)
+        samples = [first, second]
         for rows in factors.values():
             mixed = first.copy()
             mixed[list(rows)] = second[list(rows)]
             samples.append(mixed)
-        found = [
-            of_margins(cohort.numbers(cohort.sampler.from_uniform(sample))) for sample in samples
-        ]
+        variates = map(cohort.sampler.from_uniform, samples)
+        found = [of_margins(cohort.numbers(each)) for each in variates]
         for name, collected in outputs.items():
             collected.append([each[name] for each in found])
     # replicate, sample, person
@@ -50,10 +43,8 @@ def drivers_of(cohort: Cohort, seed: int) -> dict[str, dict[str, Any]]:
 def _drivers(name: str, factors: Iterable[str], values: np.ndarray) -> dict[str, Any]:
     """Return the indices of one output (replicates, samples, persons) by factor, or a remark."""
     if name == "unstable" and 0 < (rare := min(values.sum(), (1.0 - values).sum())) < FEWEST_EVENTS:
-        return {
-            "remark": f"only {rare:.0f} of {values.size:,} differ in whether they fall, "
-            "too few to say what drives it"
-        }
+        few = f"only {rare:.0f} of {values.size:,} differ in whether they fall"
+        return {"remark": f"{few}, too few to say what drives it"}
     if not np.isfinite(values).all():
         return {"remark": f"{name} is infinite for some persons, so it has no variance to explain"}
     try:

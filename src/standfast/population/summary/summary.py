@@ -66,7 +66,7 @@ class Summary:
         study = self.study
         persons = self.classes.sum(axis=(1, 2, 3, 4))
         events = self.classes[..., 1].sum(axis=(1, 2, 3))
-        unstable = fraction(events, persons)
+        unstable, draws = fraction(events, persons), effective_size(events, persons)
         return {
             "title": study.title,
             "gravity": study.gravity,
@@ -76,9 +76,9 @@ class Summary:
             "size": study.size,
             "seed": study.seed,
             "method": study.method,
-            "effective_sample_size": effective_size(events, persons),
+            "effective_sample_size": draws,
             "persons_with_details": self.safety.size,
-            "people": self._people(unstable.value, effective_size(events, persons)),
+            "people": self._people(unstable.value, draws),
             "strata": self._strata(),
             "safety_factor": _quantiles(self.safety),
             "growth_rate_of_the_unstable": _quantiles(self.growth),
@@ -123,18 +123,18 @@ class Summary:
         spread = unstable * (1.0 - unstable)
         variance = max(float(squared.sum()), 0.0) + spread / draws
         # nobody or everybody falls: as many people as there are could have been otherwise
-        alike = spread == 0.0
-        persons = people.effective_size if alike else spread / variance
+        persons = people.effective_size if spread == 0.0 else spread / variance
         return wilson(unstable * persons, persons).interval
 
     def _strata(self) -> dict[str, Any]:
         """Return the fraction unstable by sex, age, BMI and height."""
         counts: dict[str, dict[str, np.ndarray]] = {}  # (replicate, verdict) by kind and class
         by_stratum = self.classes.sum(axis=(2, 3))  # replicate, stratum, verdict
-        for key, labels in zip(("sex", "age"), zip(*self.cohort.strata, strict=True), strict=True):
+        for number, key in enumerate(("sex", "age")):
+            of_strata = np.array([stratum[number] for stratum in self.cohort.strata])
             counts[key] = {
-                label: by_stratum[:, np.array(labels) == label].sum(axis=1)
-                for label in sorted(set(labels), key=CLASS_ORDER.index)
+                label: by_stratum[:, of_strata == label].sum(axis=1)
+                for label in sorted(set(of_strata.tolist()), key=CLASS_ORDER.index)
             }
         fine = {
             "bmi": (self.classes.sum(axis=(1, 2)), BMI_EDGES, BMI_CLASSES),
@@ -144,7 +144,9 @@ class Summary:
             # the first of the fine bins is all that lies below the first edge
             cuts = [0, *(1 + int(np.argmin(abs(edges - limit))) for limit in limits)]
             sums = np.add.reduceat(by_bin, cuts, axis=1).swapaxes(0, 1)
-            counts[key] = dict(zip(_class_labels(limits), sums, strict=True))
+            inner = [f"{low:g} to {high:g}" for low, high in itertools.pairwise(limits)]
+            labels = [f"below {limits[0]:g}", *inner, f"{limits[-1]:g} and more"]
+            counts[key] = dict(zip(labels, sums, strict=True))
         return {
             key: {label: self._stratum(each) for label, each in classes.items() if each.any()}
             for key, classes in counts.items()
@@ -194,12 +196,6 @@ class Summary:
             multiple_of_all = Estimate(*map(_inverse, (safety.value, safety.high, safety.low)))
             found["all"][f"{share:g}"] = multiple_of_all.told("multiple")
         return found
-
-
-def _class_labels(limits: Sequence[float]) -> list[str]:
-    """Return the names of the classes between rising limits."""
-    inner = [f"{low:g} to {high:g}" for low, high in itertools.pairwise(limits)]
-    return [f"below {limits[0]:g}", *inner, f"{limits[-1]:g} and more"]
 
 
 def _quantiles(distribution: Distribution) -> dict[str, Any] | None:

@@ -33,7 +33,8 @@ PEOPLE_SIZE = 8 * 2**23  # eight shards, so that two workers have as much to do
 WORKER = """
 import os, sys, time
 os.sched_setaffinity(0, {int(sys.argv[1])})
-from standfast.population import PopulationStudy, simulate
+from standfast.population.people.study import PopulationStudy
+from standfast.population.simulation import simulate
 study = PopulationStudy.from_toml("people.toml")
 part = (int(sys.argv[2]), int(sys.argv[3]))
 warm = PopulationStudy.from_dict({**_toml, "population": {**_toml["population"], "size": 2**17}})

@@ -22,35 +22,22 @@ from standfast.stability.modes import frequency, modes, ratio_to_ankle
 from standfast.stability.springs import critical_stiffness, verdict
 
 
-@dataclass(frozen=True, slots=True)
-class Setting:
-    """What is the same for everyone."""
-
-    body_model: str
-    gravity: float
-
-
 @dataclass(frozen=True)
 class Assessment:
-    """What was found of each person; NaN, or an empty word, where stiffness is not known.
-
-    ``columns`` holds arrays (persons,) by the names of the CSV file's columns.
-    """
+    """What was found of each person; NaN, or an empty word, where stiffness is not known."""
 
     people: People
-    columns: Mapping[str, np.ndarray]
+    columns: Mapping[str, np.ndarray]  # (persons,) each, by the names of the CSV file's columns
 
     @property
     def judged(self) -> np.ndarray:
         """Who has all three stiffnesses, so that a verdict can be given."""
-        known: np.ndarray = self.columns["stands"] != ""
-        return known
+        return np.asarray(self.columns["stands"] != "")
 
     @property
     def falls(self) -> np.ndarray:
         """Who does not stand."""
-        fallen: np.ndarray = self.columns["stands"] == "no"
-        return fallen
+        return np.asarray(self.columns["stands"] == "no")
 
 
 def assess(
@@ -60,30 +47,21 @@ def assess(
     gravity: float,
     otherwise: Mapping[str, float] | None = None,
 ) -> Assessment:
-    """Assess persons one by one.
+    """Assess persons one by one; ``otherwise`` is stiffness by joint where it is not known.
 
-    Parameters
-    ----------
-    people
-        from :func:`.read_people`, with measured stiffnesses where known.
-    body_model, gravity
-        proportions of the segments, and m/s².
-    otherwise
-        stiffness by joint for those of whom it is not known.
-
-    Returns
-    -------
-    Assessment: thresholds of each joint alone (the other two rigid) and with the other two as they
+    Found are thresholds of each joint alone (the other two rigid) and with the other two as they
     are, safety factor, reserve, frequency, strategy, and what each joint would have to gain.
     """
-    known = {
-        joint: _known(people, joint, (otherwise or {}).get(joint, math.nan)) for joint in JOINTS
-    }
+    known = {}
+    for joint in JOINTS:
+        measured = people.stiffness.get(f"{joint}_stiffness", np.full(len(people), math.nan))
+        instead = (otherwise or {}).get(joint, math.nan)
+        known[joint] = np.where(np.isnan(measured), instead, measured)
     given = np.array([people.height, people.mass, *known.values()])
-    setting = Setting(body_model, float(gravity))
-    found = map_over_batch(_of_one, setting, ("height", "mass", *STIFFNESSES))(given)
+    names = ("height", "mass", *STIFFNESSES)
+    found = map_over_batch(_of_one, (body_model, float(gravity)), names)(given)
     told = {joint: ~np.isnan(values) for joint, values in known.items()}
-    everything = told["ankle"] & told["knee"] & told["hip"]
+    everything = np.all([*told.values()], axis=0)
     columns: dict[str, np.ndarray] = {
         "id": np.array(people.id, object),
         "height_m": people.height,
@@ -98,12 +76,12 @@ def assess(
         threshold = np.where(others, found[f"critical_{joint}_stiffness"], math.nan)
         columns[f"{joint}_threshold_Nm_rad"] = threshold
     columns["stands"] = np.where(everything, np.where(found["stable"], "yes", "no"), "")
-    for name, column in (
-        ("safety_factor", "safety_factor"),
-        ("stiffness_reserve", "stiffness_reserve_Nm_rad"),
-        ("frequency", "frequency_Hz"),
+    for name, unit in (
+        ("safety_factor", ""),
+        ("stiffness_reserve", "_Nm_rad"),
+        ("frequency", "_Hz"),
     ):
-        columns[column] = np.where(everything, found[name], math.nan)
+        columns[name + unit] = np.where(everything, found[name], math.nan)
     hips_turn_more = np.abs(found["hip_ankle_ratio"]) > 1.0
     columns["strategy"] = np.where(everything, np.where(hips_turn_more, "hip", "ankle"), "")
     return Assessment(people, columns | _gains(known, columns))
@@ -139,31 +117,24 @@ def write_assessment(assessment: Assessment, path: Path) -> None:
             rows.writerow([_entry(value) for value in row])
 
 
-def _of_one(setting: Setting, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
+def _of_one(setting: tuple[str, float], given: Mapping[str, Scalar]) -> dict[str, Scalar]:
     """Return everything about one person; what depends on an unknown stiffness is without sense."""
-    body = body_of({**given, "body_model": REFERENCE_PEOPLE[setting.body_model]})
+    body_model, gravity = setting
+    body = body_of({**given, "body_model": REFERENCE_PEOPLE[body_model]})
     stiffness = Stiffness._make(given[name] for name in STIFFNESSES)
-    person = (body, stiffness, setting.gravity)
-    alone, _, _ = joint_gravity(body, setting.gravity)
+    person = (body, stiffness, gravity)
+    alone, _, _ = joint_gravity(body, gravity)
     of_modes = modes(*person)
-    found = {f"{joint}_alone": load for joint, load in zip(JOINTS, alone, strict=True)}
-    for joint, threshold in critical_stiffness(*person)._asdict().items():
-        found[f"critical_{joint}_stiffness"] = threshold
+    thresholds = critical_stiffness(*person)._asdict()
     return {
-        **found,
+        **{f"{joint}_alone": load for joint, load in zip(JOINTS, alone, strict=True)},
+        **{f"critical_{joint}_stiffness": each for joint, each in thresholds.items()},
         "stable": verdict(*person),
         "safety_factor": safety_factor(*person),
         "stiffness_reserve": stiffness_reserve(*person),
         "frequency": frequency(of_modes.eigenvalues[0]),
         "hip_ankle_ratio": ratio_to_ankle("hip", stiffness, of_modes),
     }
-
-
-def _known(people: People, joint: str, otherwise: float) -> np.ndarray:
-    """Return a joint's stiffness of each person, or what is taken where it is not known."""
-    measured = people.stiffness.get(f"{joint}_stiffness", np.full(len(people), math.nan))
-    known: np.ndarray = np.where(np.isnan(measured), otherwise, measured)
-    return known
 
 
 def _entry(value: Any) -> str:

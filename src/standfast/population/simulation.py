@@ -24,7 +24,7 @@ from standfast.population.cohort.histograms import Histograms
 from standfast.population.people.records import People
 from standfast.population.people.study import PopulationStudy
 from standfast.population.summary.file import Population, open_population
-from standfast.population.summary.sensitivity import sensitivity_of
+from standfast.population.summary.sensitivity import drivers_of
 from standfast.population.summary.summary import Summary
 from standfast.population.summary.writing import new_persons, write_summary
 from standfast.run.loop import Announce, Progress, RunOptions, checked_options, run_job
@@ -116,21 +116,18 @@ class _Simulation:
     def kind(self, unit: Block) -> Hashable:
         return is_detailed(self.study, unit)
 
-    def batch(self, kind: Hashable) -> int:
-        del kind
+    def batch(self, _kind: Hashable) -> int:
         return 1
 
     def compute(self, unit: Block) -> Counts:
         return count_block(self.study, self.cohort, unit)
 
-    def stored_bytes(self, unit: Block, piece: Counts) -> float:
-        del unit
+    def stored_bytes(self, _unit: Block, piece: Counts) -> float:
         return self._empty().nbytes / len(self.study.shards[0][1]) + len(piece.kept)
 
     def into_shard(
-        self, path: Path | None, shard: int, pieces: Iterable[Counts]
+        self, path: Path | None, _shard: int, pieces: Iterable[Counts]
     ) -> Generator[Counts, None, None]:
-        del shard
         together, kept = self._empty(), []
         for piece in pieces:
             together.add(piece.histograms)
@@ -142,16 +139,14 @@ class _Simulation:
                 file.write(together.to_bytes() + whole.kept)
         yield whole
 
-    def out_of_shard(self, path: Path, shard: int) -> Iterator[Counts]:
-        del shard
+    def out_of_shard(self, path: Path, _shard: int) -> Iterator[Counts]:
         content = path.read_bytes()[HEADER_BYTES:]
         histograms = Histograms.from_bytes(content, *histogram_shapes(self.cohort))
         yield Counts(vars(histograms), content[histograms.nbytes :])
 
     def assemble(self, path: Path, pieces: Iterable[Counts]) -> None:
-        study = self.study
+        study, start = self.study, 0
         replicates = [self._empty() for _ in range(study.replicates)]
-        start = 0
         with failures_of_hdf5(path), h5py.File(path, "w", libver=LIBRARIES) as file:
             if study.keeps_persons:
                 new_persons(file, study.size, KEPT)
@@ -159,8 +154,8 @@ class _Simulation:
                 replicates[replicate].add(piece.histograms)
                 if study.keeps_persons:
                     start = self._write_persons(file, start, numbers, piece.kept)
-            sensitivity = sensitivity_of(self.cohort, study.seed)
-            write_summary(file, study, Summary(study, self.cohort, replicates, sensitivity))
+            drivers = drivers_of(self.cohort, study.seed)
+            write_summary(file, study, Summary(study, self.cohort, replicates, drivers))
 
     def _write_persons(self, file: h5py.File, start: int, blocks: range, kept: bytes) -> int:
         """Write what was kept of the persons of a shard's blocks; return where the next begin."""

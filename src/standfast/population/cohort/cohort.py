@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from standfast.parameters import STIFFNESSES
 from standfast.population.cohort.persons import CohortModel
+from standfast.population.people.distributions import measured_stiffnesses
 from standfast.population.people.records import SEXES, People
 from standfast.population.people.sampling import Sampler
 from standfast.population.people.sobol import aligned
@@ -13,31 +13,18 @@ from standfast.population.people.study import PopulationStudy
 
 # Age classes of people of a file, as NHANES groups adults.
 AGE_CLASSES = ((0.0, "under 20"), (20.0, "20-39"), (40.0, "40-59"), (60.0, "60+"))
-
-
-# Cells of the guide table by which a row is found from a uniform number, for each row.
-GUIDE_CELLS = 64
+GUIDE_CELLS = 64  # of the table by which a row is found from a uniform number, for each row
 
 
 @dataclass(frozen=True)
 class Cohort:
-    """Who is sampled, made by :func:`cohort_of`.
-
-    Attributes
-    ----------
-    strata
-        sex and age class of each stratum.
-    people
-        the persons of a file, in rising order of the load that topples them; None if built in.
-    stratum
-        of each of these persons.
-    """
+    """Who is sampled, made by :func:`cohort_of`."""
 
     model: CohortModel
     sampler: Sampler
-    strata: tuple[tuple[str, str], ...]
-    people: People | None
-    stratum: np.ndarray
+    strata: tuple[tuple[str, str], ...]  # sex and age class of each
+    people: People | None  # of a file, in rising order of the load that topples them
+    stratum: np.ndarray  # of each of the people
     rows_by_weight: "WeightedRows | None" = field(repr=False)
 
     @property
@@ -51,22 +38,17 @@ class Cohort:
         drawn = tuple(c.name for c in self.sampler.coordinates)
         if self.people is None:
             return drawn
-        measured = [
-            name
-            for name, distribution in zip(STIFFNESSES, self.model.distributions, strict=True)
-            if distribution.kind == "measured"
-        ]
+        measured = measured_stiffnesses(self.model.distributions)
         return (*drawn[1:], "height", "mass", "stratum", *measured)
 
     def numbers(self, variates: np.ndarray) -> np.ndarray:
         """Return the named numbers (names, n) of persons from their variates (coordinates, n)."""
-        if self.people is None or self.rows_by_weight is None:
+        if self.people is None:
             return variates
         row = self.rows_of(variates)
+        measured = measured_stiffnesses(self.model.distributions)
         columns = [self.people.height, self.people.mass, self.stratum]
-        columns += [
-            self.people.stiffness[name] for name in self.names if name.endswith("_stiffness")
-        ]
+        columns += [self.people.stiffness[name] for name in measured]
         numbers = aligned(len(self.names), variates.shape[1])
         numbers[: len(variates) - 1] = variates[1:]
         for place, column in zip(numbers[len(variates) - 1 :], columns, strict=True):
@@ -83,7 +65,6 @@ class Cohort:
 def cohort_of(study: PopulationStudy, people: People | None) -> Cohort:
     """Return the cohort of a study, whose files of people have been read."""
     stratum = np.zeros(0)
-    by_weight: WeightedRows | None = None
     if people is None:
         strata = tuple((each.sex, each.age) for each in study.subpopulations)
     else:
@@ -93,7 +74,6 @@ def cohort_of(study: PopulationStudy, people: People | None) -> Cohort:
         ages = [name for _, name in AGE_CLASSES] + ["unknown"]
         strata = tuple((sex, age) for sex in SEXES for age in ages if (sex, age) in set(labels))
         stratum = np.array([strata.index(label) for label in labels], np.float64)
-        by_weight = WeightedRows.of(people.weight)
     model = CohortModel(
         study.gravity,
         str(study.content["population"]["body_model"]),
@@ -103,6 +83,7 @@ def cohort_of(study: PopulationStudy, people: People | None) -> Cohort:
         study.distributions,
     )
     sampler = Sampler(model.coordinates, study.correlation, study.method, study.seed)
+    by_weight = WeightedRows.of(people.weight) if people is not None else None
     return Cohort(model, sampler, strata, people, stratum, by_weight)
 
 
@@ -128,11 +109,11 @@ class WeightedRows:
     @classmethod
     def of(cls, weights: np.ndarray) -> "WeightedRows":
         """Make the table of some weights."""
+        last = np.flatnonzero(weights)[-1]
         ends = np.cumsum(weights) / weights.sum()
-        ends[np.flatnonzero(weights)[-1] :] = np.inf
+        ends[last:] = np.inf
         cells = GUIDE_CELLS * len(weights)
         first = np.searchsorted(ends, np.arange(cells) / cells, side="right")
-        last = np.flatnonzero(weights)[-1]
         steps = int(np.diff(np.append(first, last)).max())
         return cls(ends, first, steps)
 

@@ -7,36 +7,18 @@ from typing import NamedTuple
 import numpy as np
 
 from standfast.engine.mapping import map_over_batch
-from standfast.parameters import JOINTS
+from standfast.parameters import JOINTS, STIFFNESSES
 from standfast.population.cohort.cohort import Cohort
-from standfast.population.cohort.histograms import (
-    bin_of,
-    bins_of,
-    class_of,
-    class_shape,
-    counted,
-    load_sums,
-)
+from standfast.population.cohort.histograms import bin_of, bins_of, class_of, class_shape, counted
 from standfast.population.cohort.persons import growth, outcome
 from standfast.population.people.study import PopulationStudy
 
 # Of so many persons the distributions are kept: more of them would add no digit that any model of
 # standing bears, and the rest are only asked whether they fall.
 DETAILED = 2**20
-
-# Of those who fall in a block, at most so many have their growth rate computed.
-MOST_FALLS = 8192
-
+MOST_FALLS = 8192  # of those in a block, at most so many have their growth rate computed
 # What is kept of every person when asked, beside whether they stand.
-KEPT = (
-    "height",
-    "mass",
-    "ankle_stiffness",
-    "knee_stiffness",
-    "hip_stiffness",
-    "safety_factor",
-    "stable",
-)
+KEPT = ("height", "mass", *STIFFNESSES, "safety_factor", "stable")
 
 
 class Block(NamedTuple):
@@ -71,12 +53,13 @@ def count_block(study: PopulationStudy, cohort: Cohort, block: Block) -> Counts:
     detailed = is_detailed(study, block)
     judge = bins_of if detailed else class_of
     found = map_over_batch(judge, cohort.model, cohort.names)(numbers)
+    found = {name: values[:size] for name, values in found.items()}
     shape = class_shape(len(cohort.strata))
-    classes = np.bincount(found["class"][:size], minlength=math.prod(shape))
+    classes = np.bincount(found["class"], minlength=math.prod(shape))
     counts: dict[str, np.ndarray] = {"classes": classes.reshape(shape)}
-    fallen = found["class"][:size] & 1
+    fallen = found["class"] & 1
     if detailed:
-        counts |= _details(found, size)
+        counts |= _details(found)
         counts["growth_rate"] = _growth_rates(cohort, numbers, fallen)
     if cohort.rows:
         rows = np.bincount(2 * cohort.rows_of(variates)[:size] + fallen, minlength=2 * cohort.rows)
@@ -84,16 +67,17 @@ def count_block(study: PopulationStudy, cohort: Cohort, block: Block) -> Counts:
     return Counts(counts, _persons(cohort, numbers, size) if study.keeps_persons else b"")
 
 
-def _details(found: dict[str, np.ndarray], size: int) -> dict[str, np.ndarray]:
-    """Count the margins and thresholds of the first ``size`` persons of a block."""
+def _details(found: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Count the margins and thresholds of a block's persons, and add up their loads."""
     required = [
-        [counted(found[f"{kind}_{joint}"][:size]) for kind in ("critical", "multiple")]
+        [counted(found[f"critical_{joint}"]), counted(found[f"multiple_{joint}"])]
         for joint in JOINTS
     ]
+    loads = np.array([found[f"load_{joint}"] for joint in JOINTS])
     return {
-        "safety_factor": counted(found["safety_factor"][:size]),
+        "safety_factor": counted(found["safety_factor"]),
         "required": np.array(required),
-        "load_sums": load_sums(found, size),
+        "load_sums": np.array([loads.sum(axis=1), np.square(loads).sum(axis=1)]),
     }
 
 
@@ -102,9 +86,8 @@ def _growth_rates(cohort: Cohort, numbers: np.ndarray, fallen: np.ndarray) -> np
     rows = np.flatnonzero(fallen)[:MOST_FALLS]
     if rows.size == 0:
         return counted(rows)
-    padded = np.resize(rows, MOST_FALLS)
-    of_falls = map_over_batch(growth, cohort.model, cohort.names)
-    rates = of_falls(np.ascontiguousarray(numbers[:, padded]))["growth_rate"]
+    of_falls = np.ascontiguousarray(numbers[:, np.resize(rows, MOST_FALLS)])
+    rates = map_over_batch(growth, cohort.model, cohort.names)(of_falls)["growth_rate"]
     return counted(bin_of(rates[: rows.size]))
 
 

@@ -5,7 +5,7 @@ leading bits of the number, without a logarithm, and is at most 0.4 % wide.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,13 +20,11 @@ LOWEST_OCTAVE, OCTAVES = -12, 36  # 0.0002 to 16 million
 VALUE_BINS = OCTAVES << BITS_PER_OCTAVE
 _SHIFT = 52 - BITS_PER_OCTAVE
 _FIRST = (1023 + LOWEST_OCTAVE) << BITS_PER_OCTAVE
-
-# Edges of the classes people are told apart by, after the World Health Organization for BMI; the
-# fine bins of the risk map fall on all of them.
-HEIGHT_CLASSES = (1.55, 1.65, 1.75, 1.85)
-BMI_CLASSES = (18.5, 25.0, 30.0, 35.0, 40.0)
-HEIGHT_STEP, HEIGHT_BINS, HEIGHT_START = 0.025, 40, 1.2
-BMI_STEP, BMI_BINS, BMI_START = 0.5, 120, 10.0
+# The fine bins of the risk map.
+HEIGHT_STEP, HEIGHT_BINS, HEIGHT_START = 0.025, 40, 1.2  # m
+BMI_STEP, BMI_BINS, BMI_START = 0.5, 120, 10.0  # kg/m²
+HEIGHT_EDGES = np.round(HEIGHT_START + HEIGHT_STEP * np.arange(HEIGHT_BINS + 1), 3)
+BMI_EDGES = BMI_START + BMI_STEP * np.arange(BMI_BINS + 1)
 
 
 def bin_of(value: Scalar) -> Scalar:
@@ -40,16 +38,6 @@ def bin_edges() -> np.ndarray:
     """Return the edges of the value bins, (VALUE_BINS + 1,)."""
     bits = (np.arange(VALUE_BINS + 1, dtype=np.int64) + _FIRST) << _SHIFT
     return bits.view(np.float64)
-
-
-def height_edges() -> np.ndarray:
-    """Return the edges of the bins of height, m."""
-    return np.round(HEIGHT_START + HEIGHT_STEP * np.arange(HEIGHT_BINS + 1), 3)
-
-
-def bmi_edges() -> np.ndarray:
-    """Return the edges of the bins of BMI, kg/m²."""
-    return BMI_START + BMI_STEP * np.arange(BMI_BINS + 1)
 
 
 def bins_of(model: CohortModel, given: dict[str, Scalar]) -> dict[str, Scalar]:
@@ -90,36 +78,22 @@ def _class(stratum: Scalar, height: Scalar, mass: Scalar, stable: Scalar) -> Sca
     return (2.0 * number + xp.where(stable, 0.0, 1.0)).astype(xp.int32)
 
 
-def load_sums(found: dict[str, np.ndarray], size: int) -> np.ndarray:
-    """Return sums (2, 3) of the joints' loads and of their squares over a block's persons."""
-    loads = np.array([found[f"load_{joint}"][:size] for joint in JOINTS])
-    return np.array([loads.sum(axis=1), np.square(loads).sum(axis=1)])
-
-
 @dataclass
 class Histograms:
     """Persons counted, in integers but for sums of loads.
 
-    Attributes
-    ----------
-    classes : (strata, heights + 2, BMIs + 2, 2)
-        persons by stratum, height, BMI and verdict (0 stands, 1 falls).
-    safety_factor, growth_rate : (VALUE_BINS + 2,)
-        of all, and of some of those who fall.
-    required : (3, 2, VALUE_BINS + 2)
-        by joint: threshold in N·m/rad, and as a multiple of its distribution.
-    load_sums : (2, 3), N·m/rad
-        sums of the joints' loads and of their squares.
-    rows : (rows, 2)
-        how often each person of a file was sampled and stood, and was sampled and fell.
+    ``classes`` is by stratum, height, BMI and verdict (0 stands, 1 falls); ``growth_rate`` of some
+    of those who fall; ``required`` by joint, as threshold in N·m/rad and as multiple of its
+    distribution; ``load_sums`` of the joints' loads and of their squares; ``rows`` how often each
+    person of a file was sampled and stood, and was sampled and fell.
     """
 
-    classes: np.ndarray
-    safety_factor: np.ndarray
-    growth_rate: np.ndarray
-    required: np.ndarray
-    load_sums: np.ndarray
-    rows: np.ndarray
+    classes: np.ndarray  # (strata, heights + 2, BMIs + 2, 2)
+    safety_factor: np.ndarray  # (VALUE_BINS + 2,)
+    growth_rate: np.ndarray  # (VALUE_BINS + 2,)
+    required: np.ndarray  # (3, 2, VALUE_BINS + 2)
+    load_sums: np.ndarray  # (2, 3), N·m/rad
+    rows: np.ndarray  # (rows, 2)
 
     @classmethod
     def empty(cls, strata: int, rows: int) -> "Histograms":
@@ -141,22 +115,20 @@ class Histograms:
     @property
     def nbytes(self) -> int:
         """Length of :meth:`to_bytes`."""
-        return sum(getattr(self, field.name).nbytes for field in fields(self))
+        return sum(array.nbytes for array in vars(self).values())
 
     def to_bytes(self) -> bytes:
         """Return all as bytes, for a shard."""
-        return b"".join(getattr(self, field.name).tobytes() for field in fields(self))
+        return b"".join(array.tobytes() for array in vars(self).values())
 
     @classmethod
     def from_bytes(cls, raw: bytes, strata: int, rows: int) -> "Histograms":
         """Read histograms of known sizes back."""
         histograms = cls.empty(strata, rows)
         start = 0
-        for field in fields(histograms):
-            array = getattr(histograms, field.name)
-            end = start + array.nbytes
-            array[...] = np.frombuffer(raw[start:end], array.dtype).reshape(array.shape)
-            start = end
+        for array in vars(histograms).values():
+            array[...] = np.frombuffer(raw, array.dtype, array.size, start).reshape(array.shape)
+            start += array.nbytes
         return histograms
 
 

@@ -5,7 +5,7 @@ is either a table of subpopulations, whose people are sampled, or a file of peop
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +14,7 @@ from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import Scalar, namespace
 from standfast.parameters import JOINTS
-from standfast.population.people.builtin import PROPORTIONS, Proportions, Subpopulation
+from standfast.population.people.builtin import PROPORTIONS, Subpopulation
 from standfast.population.people.distributions import Coordinate, StiffnessDistribution
 from standfast.stability.margins import safety_factor
 from standfast.stability.modes import growth_rate, modes
@@ -27,14 +27,11 @@ BELOW_ANKLE = 0.039
 
 @dataclass(frozen=True, slots=True)
 class CohortModel:
-    """What makes a population's persons, without seed or size; hashable, so compiled once.
-
-    ``subpopulations`` is empty for people of a file; ``strata_sexes`` is the sex of each stratum.
-    """
+    """What makes a population's persons, without seed or size; hashable, so compiled once."""
 
     gravity: float
     body_model: str
-    subpopulations: tuple[Subpopulation, ...]
+    subpopulations: tuple[Subpopulation, ...]  # none for people of a file
     strata_sexes: tuple[str, ...]
     scattered: bool
     distributions: tuple[StiffnessDistribution, StiffnessDistribution, StiffnessDistribution]
@@ -42,10 +39,9 @@ class CohortModel:
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """What each person draws."""
+        person = [Coordinate("group", "uniform")] if len(self.subpopulations) > 1 else []
         if self.subpopulations:
-            person = [Coordinate("height", "normal"), Coordinate("bmi", "normal")]
-            if len(self.subpopulations) > 1:
-                person.insert(0, Coordinate("group", "uniform"))
+            person += [Coordinate("height", "normal"), Coordinate("bmi", "normal")]
         else:
             person = [Coordinate("person", "uniform")]
         if self.scattered:
@@ -80,19 +76,15 @@ def person_of(model: CohortModel, given: Mapping[str, Scalar]) -> Person:
     reference = REFERENCE_PEOPLE[model.body_model]
     body = body_of({"body_model": reference, "height": height, "mass": mass})
     if model.scattered:
-        body = _scattered(body, height, _of_sex(model, stratum), given)
-    (toppling, at_knee, at_hip), _, _ = joint_gravity(body, model.gravity)
-    joints = []
-    for joint, distribution, own in zip(
-        JOINTS, model.distributions, (toppling, at_knee, at_hip), strict=True
-    ):
-        load = {"absolute": 1.0, "single_joint_critical": own, "mgh": toppling}[
-            distribution.relative_to
-        ]
-        joints.append(
-            distribution.stiffness(given.get(joint), given.get(f"{joint}_stiffness"), load)
-        )
-    return Person(height, mass, stratum, body, Stiffness._make(joints))
+        body = _scattered(body, height, _scatter(model, stratum), given)
+    loads, _, _ = joint_gravity(body, model.gravity)
+    stiffness = []
+    for joint, distribution, own in zip(JOINTS, model.distributions, loads, strict=True):
+        load_by_word = {"absolute": 1.0, "single_joint_critical": own, "mgh": loads[0]}
+        load = load_by_word[distribution.relative_to]
+        measured = given.get(f"{joint}_stiffness")
+        stiffness.append(distribution.stiffness(given.get(joint), measured, load))
+    return Person(height, mass, stratum, body, Stiffness._make(stiffness))
 
 
 def _sampled(
@@ -105,13 +97,10 @@ def _sampled(
     z, other = given["height"], given["bmi"]
     xp = namespace(z, other)
     total = sum(group.share for group in groups)
-    bounds = [sum(group.share for group in groups[: i + 1]) / total for i in range(len(groups))]
+    bounds = [sum(group.share for group in groups[:end]) / total for end in range(1, len(groups))]
 
-    def of_group(values: list[float]) -> Scalar:
-        chosen = xp.asarray(values[-1])
-        for bound, value in reversed(list(zip(bounds[:-1], values[:-1], strict=True))):
-            chosen = xp.where(given["group"] < bound, value, chosen)
-        return chosen
+    def of_group(values: Sequence[float]) -> Scalar:
+        return _first_that_holds(xp, [given["group"] < bound for bound in bounds], values)
 
     height = of_group([g.height_mean for g in groups]) + of_group([g.height_sd for g in groups]) * z
     along = of_group([g.log_sd * g.correlation for g in groups])
@@ -121,21 +110,24 @@ def _sampled(
     return height, bmi * height**2, of_group([float(i) for i in range(len(groups))])
 
 
-def _of_sex(model: CohortModel, stratum: Scalar) -> Proportions:
+def _scatter(model: CohortModel, stratum: Scalar) -> list[Scalar]:
     """Return the scatter of proportions of a stratum's sex."""
     xp = namespace(stratum)
     rows = [PROPORTIONS[sex] for sex in model.strata_sexes]
-    columns = []
-    for name in ("shank_sd", "thigh_sd", "correlation"):
-        chosen = xp.asarray(getattr(rows[-1], name))
-        for number, row in enumerate(rows[:-1]):
-            chosen = xp.where(stratum == number, getattr(row, name), chosen)
-        columns.append(chosen)
-    return Proportions(*columns)
+    is_stratum = [stratum == number for number in range(len(rows) - 1)]
+    return [_first_that_holds(xp, is_stratum, column) for column in zip(*rows, strict=True)]
+
+
+def _first_that_holds(xp: Any, conditions: Sequence[Scalar], values: Sequence[float]) -> Scalar:
+    """Return the value whose condition is the first that holds; the last one has none."""
+    chosen = xp.asarray(values[-1])
+    for condition, value in zip(conditions[::-1], values[-2::-1], strict=True):
+        chosen = xp.where(condition, value, chosen)
+    return chosen
 
 
 def _scattered(
-    body: Body, height: Scalar, scatter: Proportions, given: Mapping[str, Scalar]
+    body: Body, height: Scalar, scatter: Sequence[Scalar], given: Mapping[str, Scalar]
 ) -> Body:
     """Give a body its own proportions: shank and thigh longer or shorter, stature kept.
 
@@ -143,20 +135,17 @@ def _scattered(
     makes up for both legs' segments.
     """
     xp = namespace(*body, given["shank"], given["thigh"])
-    r = scatter.correlation
-    shank = 1.0 + scatter.shank_sd * given["shank"]
-    thigh = 1.0 + scatter.thigh_sd * (r * given["shank"] + xp.sqrt(1.0 - r**2) * given["thigh"])
+    shank_sd, thigh_sd, r = scatter
+    shank = 1.0 + shank_sd * given["shank"]
+    thigh = 1.0 + thigh_sd * (r * given["shank"] + xp.sqrt(1.0 - r**2) * given["thigh"])
     legs = body.segment_length
     longer = legs[0] * (shank - 1.0) + legs[1] * (thigh - 1.0)
     upper = 1.0 - longer / (height * (1.0 - BELOW_ANKLE) - legs[0] - legs[1])
     stretch = xp.stack([shank, thigh, upper])
-    return Body._make(
-        (
-            body.segment_mass,
-            body.segment_inertia * stretch**2,
-            legs * stretch[:2],
-            body.segment_com * stretch,
-        )
+    return body._replace(
+        segment_inertia=body.segment_inertia * stretch**2,
+        segment_length=legs * stretch[:2],
+        segment_com=body.segment_com * stretch,
     )
 
 

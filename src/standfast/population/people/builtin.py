@@ -58,47 +58,32 @@ SOURCES = {
     "nhanes-2017-2018": "NHANES 2017-2018, US CDC: BMX_J and DEMO_J, weighted, not pregnant",
     "ansur-2012": "ANSUR II 2012, US Army, public release",
 }
-
 # The groups that a population without a named age is put together from.
-PARTITION = {
-    "nhanes-2017-2018": ("20-39", "40-59", "60+"),
-    "ansur-2012": ("17-58",),
-}
+PARTITION = {"nhanes-2017-2018": ("20-39", "40-59", "60+"), "ansur-2012": ("17-58",)}
 
 
-@dataclass(frozen=True, slots=True)
-class Proportions:
-    """How shank and thigh scatter between people, relative to their mean share of stature."""
-
-    shank_sd: float
-    thigh_sd: float
-    correlation: float
-
-
-# ANSUR II: lateral femoral epicondyle less malleolus height, trochanterion less epicondyle height;
-# the correlation from the spread of their sum. Stature is kept: the upper body makes up for both
-# (so computed its spread is 3.2 and 3.1 %, measured 3.1 and 3.0 %). Of both sexes together: means.
+# How shank and thigh scatter between people, relative to their mean share of stature: standard
+# deviations and correlation. ANSUR II: lateral femoral epicondyle less malleolus height,
+# trochanterion less epicondyle height; the correlation from the spread of their sum. Stature is
+# kept: the upper body makes up for both (so computed its spread is 3.2 and 3.1 %, measured 3.1 and
+# 3.0 %). Of both sexes together: means.
 PROPORTIONS = {
-    "male": Proportions(0.0347, 0.0522, 0.131),
-    "female": Proportions(0.0433, 0.0460, -0.042),
-    "unknown": Proportions(0.0390, 0.0491, 0.045),
+    "male": (0.0347, 0.0522, 0.131),
+    "female": (0.0433, 0.0460, -0.042),
+    "unknown": (0.0390, 0.0491, 0.045),
 }
 
+NORMAL_OF_MGH = {"distribution": "normal", "relative_to": "mgh"}
 # Ready laws, by joint: what was measured, as a study would say it. All of both legs together.
 READY_DISTRIBUTIONS: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
     "ankle": {
         # intrinsic ankle stiffness in quiet standing, perturbations of about 0.055 degrees,
         # J Physiol 545 (2002) 1041-1053
-        "loram-lakie-2002": {
-            "distribution": "normal",
-            "relative_to": "mgh",
-            "mean": 0.91,
-            "sd": 0.23,
-        },
+        "loram-lakie-2002": {**NORMAL_OF_MGH, "mean": 0.91, "sd": 0.23},
         # the same with 1-degree steps, Gait & Posture 21 (2005) 410-424 (taken second-hand)
-        "casadio-2005": {"distribution": "normal", "relative_to": "mgh", "mean": 0.64, "sd": 0.08},
+        "casadio-2005": {**NORMAL_OF_MGH, "mean": 0.64, "sd": 0.08},
         # passive calf, rotations below 0.2 degrees, supported upright, J Physiol 584 (2007) 661-675
-        "loram-2007": {"distribution": "normal", "relative_to": "mgh", "mean": 0.67, "sd": 0.08},
+        "loram-2007": {**NORMAL_OF_MGH, "mean": 0.67, "sd": 0.08},
         # muscle and stretch reflex of a model of quiet stance (80 kg, 1.80 m), derived from its
         # parameters, Biol Cybern 111 (2017) 389-403
         "reimann-schoner-2017": {"distribution": "fixed", "value": 296.0},

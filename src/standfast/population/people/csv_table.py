@@ -8,60 +8,37 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeAlias
 
 from standfast.errors import InputError
 from standfast.parameters import STIFFNESSES
 
-# Column names, lower case and with every bracket, blank and point made "_", to what they hold and
-# how many of its units are one of SI. ANSUR II gives stature in mm and "weightkg" in hectograms;
-# NHANES gives BMXHT in cm and BMXWT in kg.
-COLUMNS: Mapping[str, tuple[str, float]] = {
-    "height": ("height", 1.0),
-    "height_m": ("height", 1.0),
-    "height_cm": ("height", 100.0),
-    "height_mm": ("height", 1000.0),
-    "stature": ("height", 1000.0),
-    "stature_m": ("height", 1.0),
-    "stature_cm": ("height", 100.0),
-    "stature_mm": ("height", 1000.0),
-    "bmxht": ("height", 100.0),
-    "mass": ("mass", 1.0),
-    "mass_kg": ("mass", 1.0),
-    "body_mass": ("mass", 1.0),
-    "body_mass_kg": ("mass", 1.0),
-    "weight_kg": ("mass", 1.0),
-    "body_weight_kg": ("mass", 1.0),
-    "weightkg": ("mass", 10.0),
-    "bmxwt": ("mass", 1.0),
-    "sex": ("sex", 1.0),
-    "gender": ("sex", 1.0),
-    "riagendr": ("sex", 1.0),
-    "age": ("age", 1.0),
-    "age_years": ("age", 1.0),
-    "years": ("age", 1.0),
-    "ridageyr": ("age", 1.0),
-    "id": ("id", 1.0),
-    "name": ("id", 1.0),
-    "subject": ("id", 1.0),
-    "subjectid": ("id", 1.0),
-    "subject_id": ("id", 1.0),
-    "participant": ("id", 1.0),
-    "seqn": ("id", 1.0),
-    "weight": ("weight", 1.0),
-    "sample_weight": ("weight", 1.0),
-    "wtmec2yr": ("weight", 1.0),
-    "ridexprg": ("pregnant", 1.0),
-    **{name: (name, 1.0) for name in STIFFNESSES},
-    **{f"{name}_{unit}": (name, 1.0) for name in STIFFNESSES for unit in ("nm_rad", "n_m_rad")},
+# What a column can hold, with how many of its units are one of SI, and by which names it is known:
+# lower case, every bracket, blank and point made "_". ANSUR II gives stature in mm and "weightkg"
+# in hectograms; NHANES gives BMXHT in cm and BMXWT in kg.
+NAMES: Mapping[tuple[str, float], str] = {
+    ("height", 1.0): "height height_m stature_m",
+    ("height", 100.0): "height_cm stature_cm bmxht",
+    ("height", 1000.0): "height_mm stature_mm stature",
+    ("mass", 1.0): "mass mass_kg body_mass body_mass_kg weight_kg body_weight_kg bmxwt",
+    ("mass", 10.0): "weightkg",
+    ("sex", 1.0): "sex gender riagendr",
+    ("age", 1.0): "age age_years years ridageyr",
+    ("id", 1.0): "id name subject subjectid subject_id participant seqn",
+    ("weight", 1.0): "weight sample_weight wtmec2yr",
+    ("pregnant", 1.0): "ridexprg",
+    **{(name, 1.0): f"{name} {name}_nm_rad {name}_n_m_rad" for name in STIFFNESSES},
 }
+COLUMNS = {name: holds for holds, names in NAMES.items() for name in names.split()}
+
+# By what it holds, the place of a column in each row, and how many of its units are one of SI.
+Columns: TypeAlias = dict[str, tuple[int, float]]
 
 
 def digest(paths: Sequence[Path]) -> str:
     """Return the SHA-256 of the files' contents, one after the other."""
-    total = hashlib.sha256()
-    for path in paths:
-        total.update(hashlib.sha256(_bytes_of(path)).digest())
-    return total.hexdigest()
+    digests = [hashlib.sha256(_bytes_of(path)).digest() for path in paths]
+    return hashlib.sha256(b"".join(digests)).hexdigest()
 
 
 @dataclass(frozen=True)
@@ -70,7 +47,7 @@ class Table:
 
     name: str
     header: tuple[str, ...]
-    columns: Mapping[str, str]
+    columns: Columns
     rows: list[tuple[int, dict[str, str]]]
     remarks: tuple[str, ...]
 
@@ -89,13 +66,7 @@ def _bytes_of(path: Path) -> bytes:
 
 
 def read_table(path: Path) -> Table:
-    """Read the columns of one file that are known by name, as text in SI units.
-
-    Raises
-    ------
-    InputError
-        if the file is missing, empty, no CSV, or has two columns for one thing.
-    """
+    """Read the columns of one file that are known by name, as text in SI units."""
     raw = _bytes_of(path)
     try:
         text = raw.decode("utf-8-sig")
@@ -108,20 +79,17 @@ def read_table(path: Path) -> Table:
     lines = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
     try:
         header = next(row for row in lines if row)
-        columns, places, factors = _recognised(path, header)
+        columns = _recognised(path, header)
         rows = []
         for row in lines:
             if not any(entry.strip() for entry in row):
                 continue
-            entries = {
-                field: row[place].strip() if place < len(row) else ""
-                for place, field in places.items()
-            }
-            for field, factor in factors.items():
+            entries = {}
+            for field, (place, factor) in columns.items():
+                entry = row[place].strip() if place < len(row) else ""
                 if separator == ";" and field not in ("id", "sex"):
-                    entries[field] = entries[field].replace(",", ".")
-                if factor != 1.0:
-                    entries[field] = _in_si(entries[field], factor)
+                    entry = entry.replace(",", ".")
+                entries[field] = entry if factor == 1.0 else _in_si(entry, factor)
             rows.append((lines.line_num, entries))
     except csv.Error as error:
         raise InputError(f"{path} is not a CSV file: line {lines.line_num}, {error}") from None
@@ -130,13 +98,9 @@ def read_table(path: Path) -> Table:
     return Table(path.name, tuple(header), columns, rows, _misspelt(header, columns))
 
 
-def _recognised(
-    path: Path, header: Sequence[str]
-) -> tuple[dict[str, str], dict[int, str], dict[str, float]]:
-    """Return the known columns: name and factor to SI by field, field by place."""
-    places: dict[int, str] = {}
-    factors: dict[str, float] = {}
-    columns: dict[str, str] = {}
+def _recognised(path: Path, header: Sequence[str]) -> Columns:
+    """Return the known columns by what they hold."""
+    columns: Columns = {}
     for place, name in enumerate(header):
         if (known := COLUMNS.get(_normal(name))) is None:
             continue
@@ -144,14 +108,15 @@ def _recognised(
         if name.strip().lower() == "weightkg" and "stature" not in map(_normal, header):
             factor = 1.0  # hectograms in ANSUR II alone
         if field in columns:
+            first = header[columns[field][0]]
             raise InputError(
-                f"{path}: the columns {columns[field]!r} and {name!r} both hold {field}; keep one"
+                f"{path}: the columns {first!r} and {name!r} both hold {field}; keep one"
             )
-        columns[field], places[place], factors[field] = name, field, factor
-    return columns, places, factors
+        columns[field] = (place, factor)
+    return columns
 
 
-def _misspelt(header: Sequence[str], found: Mapping[str, str]) -> tuple[str, ...]:
+def _misspelt(header: Sequence[str], found: Columns) -> tuple[str, ...]:
     """Say which columns are not used although their names are nearly those of a missing one."""
     remarks = []
     for name in header:

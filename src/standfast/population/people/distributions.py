@@ -8,7 +8,7 @@ notation: K stiffness, G the load it is relative to, z a standard normal and u a
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,12 +16,11 @@ import numpy as np
 
 from standfast.errors import InputError, nearest_name
 from standfast.numerics.arrays import Scalar, namespace
-from standfast.parameters import JOINTS, PARAMETERS, Parameter, checked_number
+from standfast.parameters import JOINTS, PARAMETERS, STIFFNESSES, Parameter, checked_number
 from standfast.population.people.builtin import READY_DISTRIBUTIONS
 from standfast.study.values import known_keys
 
 RELATIVE_TO = ("absolute", "single_joint_critical", "mgh")
-
 # The numbers that each distribution is given by.
 DISTRIBUTIONS: Mapping[str, tuple[str, ...]] = {
     "fixed": ("value",),
@@ -67,12 +66,10 @@ class StiffnessDistribution:
 
     def coordinate(self, joint: str) -> Coordinate:
         """Return the variate that it takes."""
-        if self.kind == "uniform":
-            return Coordinate(joint, "uniform")
         if self.kind == "normal":
             mean, sd = self.numbers
             return Coordinate(joint, "normal", lowest=-mean / sd)
-        return Coordinate(joint, "normal")
+        return Coordinate(joint, "uniform" if self.kind == "uniform" else "normal")
 
     def stiffness(self, variate: Scalar, measured: Scalar, load: Scalar) -> Scalar:
         """Return K of one person: from the variate, or measured, times the load G."""
@@ -89,32 +86,36 @@ class StiffnessDistribution:
             # at the cut itself rounding may fall below 0
             value = xp.maximum(mean + sd * variate, 0.0)
         else:
-            mu, sigma = self.log_numbers
+            mean, sd = self.numbers
+            variance = math.log1p((sd / mean) ** 2)
+            mu, sigma = math.log(mean) - 0.5 * variance, math.sqrt(variance)
             value = xp.exp(mu + sigma * variate)
         return value * load
 
-    @property
-    def log_numbers(self) -> tuple[float, float]:
-        """μ and σ of a lognormal distribution."""
-        mean, sd = self.numbers
-        variance = math.log1p((sd / mean) ** 2)
-        return math.log(mean) - 0.5 * variance, math.sqrt(variance)
-
     def canonical(self) -> dict[str, Any]:
         """Return it as a study says it."""
-        names = DISTRIBUTIONS[self.kind]
-        numbers = dict(zip(names, self.numbers, strict=True))
+        numbers = dict(zip(DISTRIBUTIONS[self.kind], self.numbers, strict=True))
         return {"distribution": self.kind, "relative_to": self.relative_to, **numbers}
 
 
-def checked_distribution(joint: str, given: Any) -> StiffnessDistribution:
-    """Check the table of one joint.
+def measured_stiffnesses(distributions: Iterable[StiffnessDistribution]) -> list[str]:
+    """Return which stiffnesses are measured, given the distributions of ankle, knee and hip."""
+    pairs = zip(STIFFNESSES, distributions, strict=True)
+    return [name for name, distribution in pairs if distribution.kind == "measured"]
 
-    Raises
-    ------
-    InputError
-        naming the key, what was given and what would be right.
-    """
+
+def checked_word(where: str, given: Any, known: Iterable[str], called: str = "known") -> str:
+    """Return a word that is among those that are known, or refuse it."""
+    if not isinstance(given, str) or given not in known:
+        raise InputError(
+            f"{where} = {given!r} is not known{nearest_name(given, known)} "
+            f"({called}: {', '.join(known)})"
+        )
+    return given
+
+
+def checked_distribution(joint: str, given: Any) -> StiffnessDistribution:
+    """Check the table of one joint."""
     where = f"stiffness.{joint}"
     if not isinstance(given, Mapping):
         raise InputError(
@@ -132,24 +133,15 @@ def checked_distribution(joint: str, given: Any) -> StiffnessDistribution:
                 f"(laws of the {joint}: {', '.join(ready)})"
             )
         return checked_distribution(joint, ready[given["law"]])
-    distribution = given.get("distribution")
-    if not isinstance(distribution, str) or distribution not in DISTRIBUTIONS:
-        raise InputError(
-            f"{where}.distribution = {distribution!r} is not known"
-            f"{nearest_name(distribution, DISTRIBUTIONS)} "
-            f"(distributions: {', '.join(DISTRIBUTIONS)})"
-        )
+    distribution = checked_word(
+        f"{where}.distribution", given.get("distribution"), DISTRIBUTIONS, "distributions"
+    )
     names = DISTRIBUTIONS[distribution]
     choice = () if distribution == "measured" else ("relative_to",)
-    known_keys(
-        f"[{where}] with distribution {distribution}", given, ("distribution", *choice, *names)
-    )
+    keys = ("distribution", *choice, *names)
+    known_keys(f"[{where}] with distribution {distribution}", given, keys)
     relative_to = given.get("relative_to", "absolute")
-    if relative_to not in RELATIVE_TO:
-        raise InputError(
-            f"{where}.relative_to = {relative_to!r} is not known"
-            f"{nearest_name(relative_to, RELATIVE_TO)} (known: {', '.join(RELATIVE_TO)})"
-        )
+    checked_word(f"{where}.relative_to", relative_to, RELATIVE_TO)
     row = PARAMETERS[f"{joint}_stiffness"] if relative_to == "absolute" else MULTIPLE
     for name in names:
         if name not in given:
@@ -161,28 +153,27 @@ def checked_distribution(joint: str, given: Any) -> StiffnessDistribution:
 
 def _check_numbers(where: str, distribution: str, numbers: tuple[float, ...]) -> None:
     """Refuse numbers that no such distribution has."""
-    if distribution == "fixed":
+    if distribution in ("fixed", "measured"):
         return
     if any(math.isinf(number) for number in numbers):
         raise InputError(
             f'{where}: only distribution = "fixed" may be inf (rigid), not {distribution}'
         )
-    if distribution == "lognormal" and numbers[0] == 0.0:
+    first, second = numbers
+    if distribution == "lognormal" and first == 0.0:
         raise InputError(f"{where}.mean = 0 has no lognormal; give a mean above 0")
-    if distribution == "lognormal" and numbers[1] > 1e3 * numbers[0]:
+    if distribution == "lognormal" and second > 1e3 * first:
         raise InputError(
-            f"{where}.sd = {numbers[1]:g} is more than a thousand times the mean, {numbers[0]:g}"
+            f"{where}.sd = {second:g} is more than a thousand times the mean, {first:g}"
         )
-    if distribution == "uniform" and numbers[0] > numbers[1]:
+    if distribution == "uniform" and first > second:
         raise InputError(
-            f"{where} goes from low = {numbers[0]:g} to high = {numbers[1]:g}; "
-            "high must not be below low"
+            f"{where} goes from low = {first:g} to high = {second:g}; high must not be below low"
         )
 
 
 Correlation = tuple[tuple[float, ...], ...]
 UNCORRELATED: Correlation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-
 # What rounding may take from the smallest eigenvalue of a correlation matrix that is just possible.
 SINGULAR = -1e-10
 
@@ -190,20 +181,9 @@ SINGULAR = -1e-10
 def checked_correlation(
     given: Any, distributions: Mapping[str, StiffnessDistribution]
 ) -> Correlation:
-    """Check the correlation of the joints' normal variates: rows of ankle, knee and hip.
-
-    Raises
-    ------
-    InputError
-        if it is no correlation matrix, or correlates a joint that is not random.
-    """
+    """Check the correlation of the joints' normal variates: rows of ankle, knee and hip."""
     where = "stiffness.correlation"
-    rows = given if isinstance(given, list | tuple) else None
-    if (
-        rows is None
-        or len(rows) != 3
-        or not all(isinstance(row, list | tuple) and len(row) == 3 for row in rows)
-    ):
+    if not _has_three(given) or not all(_has_three(row) for row in given):
         raise InputError(
             f"{where} = {given!r} is not a 3 × 3 matrix; give rows for ankle, knee and hip, "
             "for example [[1, 0.5, 0], [0.5, 1, 0], [0, 0, 1]]"
@@ -214,7 +194,7 @@ def checked_correlation(
             checked_number(f"{where}[{i}][{j}]", value, row=entry) + 0.0
             for j, value in enumerate(row)
         )
-        for i, row in enumerate(rows)
+        for i, row in enumerate(given)
     )
     for i, joint in enumerate(JOINTS):
         if matrix[i][i] != 1.0:
@@ -239,3 +219,21 @@ def checked_correlation(
             f"eigenvalue is {smallest:.3g}, it must not be negative); take smaller correlations"
         )
     return matrix
+
+
+def _has_three(given: Any) -> bool:
+    return isinstance(given, list | tuple) and len(given) == 3
+
+
+def checked_stiffness(given: Any) -> tuple[dict[str, StiffnessDistribution], Correlation]:
+    """Check the distributions of the three joints' stiffness and their correlation."""
+    known_keys("[stiffness]", given, (*JOINTS, "correlation"))
+    for joint in JOINTS:
+        if joint not in given:
+            raise InputError(
+                f"[stiffness.{joint}] is missing; for a rigid {joint} write "
+                'distribution = "fixed" and value = inf'
+            )
+    distributions = {joint: checked_distribution(joint, given[joint]) for joint in JOINTS}
+    correlation = given.get("correlation", UNCORRELATED)
+    return distributions, checked_correlation(correlation, distributions)

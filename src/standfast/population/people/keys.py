@@ -7,50 +7,23 @@ from pathlib import Path
 from typing import Any
 
 from standfast.errors import InputError, nearest_name
-from standfast.parameters import BODY_MODELS, JOINTS
+from standfast.parameters import BODY_MODELS
 from standfast.population.people.builtin import PARTITION, POPULATIONS, Subpopulation
 from standfast.population.people.csv_table import digest
-from standfast.population.people.distributions import (
-    UNCORRELATED,
-    Correlation,
-    StiffnessDistribution,
-    checked_correlation,
-    checked_distribution,
-)
+from standfast.population.people.distributions import checked_word
 from standfast.population.people.records import SEXES
 from standfast.population.people.sobol import REPLICATES
 from standfast.study.values import known_keys
 
-POPULATION_KEYS = (
-    "people",
-    "builtin",
-    "sex",
-    "age",
-    "body_model",
-    "proportions",
-    "size",
-    "seed",
-    "method",
-)
-METHODS = ("monte-carlo", "quasi-monte-carlo")
-PROPORTIONS_KEYS = ("fixed", "scattered")
+KEYS = ("people", "builtin", "sex", "age", "body_model", "proportions", "size", "seed", "method")
+# What is chosen by a word: the one that holds where nothing is said, and all.
+CHOICES = {
+    "body_model": ("winter", BODY_MODELS),
+    "proportions": ("fixed", ("fixed", "scattered")),
+    "method": ("monte-carlo", ("monte-carlo", "quasi-monte-carlo")),
+}
 LARGEST_SIZE = 10**11
 LARGEST_QUASI = REPLICATES * 2**32  # Sobol points are numbered with 32 bits
-
-
-def checked_stiffness(given: Any) -> tuple[dict[str, StiffnessDistribution], Correlation]:
-    """Check the distributions of the three joints' stiffness and their correlation."""
-    known_keys("[stiffness]", given, (*JOINTS, "correlation"))
-    for joint in JOINTS:
-        if joint not in given:
-            raise InputError(
-                f"[stiffness.{joint}] is missing; for a rigid {joint} write "
-                'distribution = "fixed" and value = inf'
-            )
-    distributions = {joint: checked_distribution(joint, given[joint]) for joint in JOINTS}
-    if "correlation" not in given:
-        return distributions, UNCORRELATED
-    return distributions, checked_correlation(given["correlation"], distributions)
 
 
 def checked_population(given: Any, folder: Path) -> tuple[dict[str, Any], tuple[Path, ...]]:
@@ -58,7 +31,7 @@ def checked_population(given: Any, folder: Path) -> tuple[dict[str, Any], tuple[
 
     Of a file of people the keys hold its name and the hash of its content, not where it lies.
     """
-    known_keys("[population]", given, POPULATION_KEYS)
+    known_keys("[population]", given, KEYS)
     checked: dict[str, Any] = {}
     files: tuple[Path, ...] = ()
     if ("people" in given) == ("builtin" in given):
@@ -78,32 +51,20 @@ def checked_population(given: Any, folder: Path) -> tuple[dict[str, Any], tuple[
         checked["people"] = [path.name for path in files]
         checked["people_sha256"] = digest(files)
     else:
-        checked["builtin"] = _choice("builtin", given["builtin"], tuple(POPULATIONS))
+        checked["builtin"] = checked_word("population.builtin", given["builtin"], POPULATIONS)
     if "sex" in given:
-        checked["sex"] = _choice("sex", given["sex"], SEXES[:2])
+        checked["sex"] = checked_word("population.sex", given["sex"], SEXES[:2])
     if "age" in given:
         age_range(given["age"])
         checked["age"] = given["age"]
     if "builtin" in checked:
         subpopulations_of(checked)
-    checked["body_model"] = _choice("body_model", given.get("body_model", "winter"), BODY_MODELS)
-    checked["proportions"] = _choice(
-        "proportions", given.get("proportions", "fixed"), PROPORTIONS_KEYS
-    )
-    checked["method"] = _choice("method", given.get("method", "monte-carlo"), METHODS)
+    for key, (default, words) in CHOICES.items():
+        checked[key] = checked_word(f"population.{key}", given.get(key, default), words)
     largest = LARGEST_SIZE if checked["method"] == "monte-carlo" else LARGEST_QUASI
     checked["size"] = _whole("size", given.get("size", 1_000_000), 1, largest)
     checked["seed"] = _whole("seed", given.get("seed", 0), 0, 2**63 - 1)
     return checked, files
-
-
-def _choice(key: str, given: Any, known: tuple[str, ...]) -> str:
-    if not isinstance(given, str) or given not in known:
-        raise InputError(
-            f"population.{key} = {given!r} is not known{nearest_name(given, known)} "
-            f"(known: {', '.join(known)})"
-        )
-    return given
 
 
 def _whole(key: str, given: Any, lowest: int, highest: int) -> int:

@@ -1,8 +1,8 @@
 """Real persons from CSV files: checked one by one, every row accounted for."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Container, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,13 +13,11 @@ from standfast.population.people.csv_table import Table, hint, read_table
 
 SEXES = ("male", "female", "unknown")
 ADULT = 18
-
 SEX_WORDS = dict.fromkeys(("male", "m", "man"), "male")
 SEX_WORDS |= dict.fromkeys(("female", "f", "woman", "w"), "female")
 SEX_WORDS |= dict.fromkeys(("unknown", "other", "na", "nan", "none", "n/a", "", "."), "unknown")
 NHANES_SEX = {1.0: "male", 2.0: "female"}
 NOTHING = ("", ".", "na", "nan", "none")
-
 AGE = Parameter("age", "", "years", "age", 0.0, 130.0)
 WEIGHT = Parameter("weight", "", "1", "weight of the record", 0.0, 1e12)
 
@@ -61,17 +59,15 @@ class People:
 
     def at(self, rows: np.ndarray) -> "People":
         """Return some of the persons, in a given order."""
-        return People(
-            tuple(self.id[row] for row in rows),
-            self.height[rows],
-            self.mass[rows],
-            tuple(self.sex[row] for row in rows),
-            self.age[rows],
-            self.weight[rows],
-            {joint: values[rows] for joint, values in self.stiffness.items()},
-            self.rejected,
-            self.not_selected,
-            self.remarks,
+        return replace(
+            self,
+            id=tuple(self.id[row] for row in rows),
+            height=self.height[rows],
+            mass=self.mass[rows],
+            sex=tuple(self.sex[row] for row in rows),
+            age=self.age[rows],
+            weight=self.weight[rows],
+            stiffness={joint: values[rows] for joint, values in self.stiffness.items()},
         )
 
 
@@ -79,32 +75,22 @@ def read_people(
     paths: Sequence[Path],
     *,
     strict: bool = False,
-    needed: Iterable[str] = (),
+    needed: Sequence[str] = (),
     selected: Callable[[str, float], bool] | None = None,
 ) -> People:
     """Read persons from CSV files.
 
     Files with height and mass hold persons, one after the other; further files add columns to them,
     joined by id. Refused if a file or a column is missing, no row can be used, or ids do not join.
-
-    Parameters
-    ----------
-    paths
-        the files, each with a header line. Separators may be commas, semicolons (with decimal
-        commas) or tabs.
-    strict
-        stop at the first row that cannot be used, instead of leaving it out.
-    needed
-        measured stiffnesses without which a row is not used.
-    selected
-        tells from sex and age whether a person belongs to the population.
+    Separators may be commas, semicolons (with decimal commas) or tabs. ``strict`` stops at the
+    first row that cannot be used; ``needed`` are measured stiffnesses without which none is used;
+    ``selected`` tells from sex and age whether a person belongs to the population.
     """
-    needed = tuple(needed)
     tables = [read_table(path) for path in paths]
     holders = [table for table in tables if {"height", "mass"} <= set(table.columns)]
     added = _by_id(tables, holders)
-    _check_columns(tables, holders, needed)
-    weighted = any("weight" in table.columns for table in tables)
+    columns = {field for table in tables for field in table.columns}
+    _check_columns(tables[0], holders, columns, needed)
     persons: list[dict[str, object]] = []
     rejected: list[Rejection] = []
     not_selected = 0
@@ -112,7 +98,7 @@ def read_people(
         for line, row in table.rows:
             joined = _joined(row, added)
             try:
-                person = _checked_person(joined, needed, selected, weighted=weighted)
+                person = _checked_person(joined, columns, needed, selected)
             except InputError as error:
                 rejection = Rejection(table.name, line, str(error))
                 if strict:
@@ -125,7 +111,7 @@ def read_people(
                 persons.append({**person, "id": joined.get("id") or str(line)})
     if not persons:
         raise InputError(_nobody(tables[0], rejected, not_selected))
-    return _people(tables, persons, tuple(rejected), not_selected)
+    return _people(tables, columns, persons, tuple(rejected), not_selected)
 
 
 def _joined(
@@ -142,6 +128,7 @@ def _joined(
 
 def _people(
     tables: Sequence[Table],
+    columns: Container[str],
     persons: Sequence[Mapping[str, object]],
     rejected: tuple[Rejection, ...],
     not_selected: int,
@@ -154,6 +141,9 @@ def _people(
     weight = column("weight")
     if not weight.sum() > 0.0:
         raise InputError(f"{tables[0].name}: the weights of all usable rows are 0")
+    remarks = [f"{table.name}: {remark}" for table in tables for remark in table.remarks]
+    if children := int((column("age") < ADULT).sum()):
+        remarks.append(f"{children:,} are under {ADULT} years, and the body models are of adults")
     return People(
         tuple(str(person["id"]) for person in persons),
         column("height"),
@@ -161,24 +151,11 @@ def _people(
         tuple(str(person["sex"]) for person in persons),
         column("age"),
         weight,
-        {
-            name: column(name)
-            for name in STIFFNESSES
-            if any(name in table.columns for table in tables)
-        },
+        {name: column(name) for name in STIFFNESSES if name in columns},
         rejected,
         not_selected,
-        _remarks(tables, column("age")),
+        tuple(remarks),
     )
-
-
-def _remarks(tables: Sequence[Table], age: np.ndarray) -> tuple[str, ...]:
-    """Say what a user may not have meant."""
-    remarks = [f"{table.name}: {remark}" for table in tables for remark in table.remarks]
-    children = int((age < ADULT).sum())
-    if children:
-        remarks.append(f"{children:,} are under {ADULT} years, and the body models are of adults")
-    return tuple(remarks)
 
 
 def _by_id(tables: Sequence[Table], holders: Sequence[Table]) -> list[dict[str, dict[str, str]]]:
@@ -209,16 +186,16 @@ def _by_id(tables: Sequence[Table], holders: Sequence[Table]) -> list[dict[str, 
 
 
 def _check_columns(
-    tables: Sequence[Table], holders: Sequence[Table], needed: Sequence[str]
+    first: Table, holders: Sequence[Table], columns: Container[str], needed: Sequence[str]
 ) -> None:
     """Refuse files without height and mass, or without a measured stiffness that is needed."""
     if not holders:
-        lacking = next(f for f in ("height", "mass") if f not in tables[0].columns)
-        raise InputError(f"{tables[0].name} has no column of {lacking}{hint(tables[0], lacking)}")
+        lacking = next(field for field in ("height", "mass") if field not in first.columns)
+        raise InputError(f"{first.name} has no column of {lacking}{hint(first, lacking)}")
     for joint in needed:
-        if not any(joint in table.columns for table in tables):
+        if joint not in columns:
             raise InputError(
-                f"{tables[0].name} has no column {joint}, which the law of that joint measures"
+                f"{first.name} has no column {joint}, which the law of that joint measures"
             )
 
 
@@ -232,15 +209,11 @@ def _number(entry: str, name: str, row: Parameter) -> float:
 
 def _checked_person(
     row: Mapping[str, str],
+    columns: Container[str],
     needed: Sequence[str],
     selected: Callable[[str, float], bool] | None,
-    *,
-    weighted: bool,
 ) -> dict[str, object] | None:
-    """Check one person; None if not of those selected.
-
-    The reason for refusing a person names the column and the value.
-    """
+    """Check one person; None if not of those selected."""
     sex, age = _sex(row.get("sex", "")), _optional(row.get("age", ""), "age", AGE)
     if selected is not None and not selected(sex, age):
         return None
@@ -252,7 +225,7 @@ def _checked_person(
     if row.get("pregnant", "") in ("1", "1.0"):
         raise InputError("pregnant, for which no body model holds")
     weight = row.get("weight")
-    if weighted and weight is None:
+    if "weight" in columns and weight is None:
         raise InputError("no weight: the id is in no file of weights")
     person["weight"] = 1.0 if weight is None else _number(weight, "weight", WEIGHT)
     for joint in STIFFNESSES:

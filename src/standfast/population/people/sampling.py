@@ -16,31 +16,18 @@ from standfast.population.people.distributions import UNCORRELATED, Coordinate, 
 from standfast.population.people.sobol import aligned, sobol_block
 
 STREAM = 0  # of a seed; scrambling is another
-
-# Of an eigenvalue of a correlation.
-ROUNDING = 1e-12
-
+ROUNDING = 1e-12  # of an eigenvalue of a correlation
 # Below this variate a standard normal number does not come in float64: nothing is cut off.
 NEVER = -8.3
 
 
 @dataclass(frozen=True)
 class Sampler:
-    """Where the standard variates of a population come from.
+    """Where the standard variates of a population come from."""
 
-    Attributes
-    ----------
-    coordinates
-        what each person draws, one row of a block each.
-    correlation
-        of the normal variates of ankle, knee and hip (Gaussian copula).
-    method
-        ``monte-carlo`` or ``quasi-monte-carlo``.
-    """
-
-    coordinates: tuple[Coordinate, ...]
-    correlation: Correlation
-    method: str
+    coordinates: tuple[Coordinate, ...]  # what each person draws, one row of a block each
+    correlation: Correlation  # of the normal variates of ankle, knee and hip (Gaussian copula)
+    method: str  # "monte-carlo" or "quasi-monte-carlo"
     seed: int
 
     def variates(self, replicate: int, block: int, size: int) -> np.ndarray:
@@ -75,13 +62,9 @@ class Sampler:
     @cached_property
     def correlated(self) -> tuple[int, ...]:
         """The rows of joints that are correlated with another joint."""
-        return tuple(
-            number
-            for number, coordinate in enumerate(self.coordinates)
-            if coordinate.name in JOINTS
-            and self.correlation[JOINTS.index(coordinate.name)]
-            != UNCORRELATED[JOINTS.index(coordinate.name)]
-        )
+        rows = zip(JOINTS, self.correlation, UNCORRELATED, strict=True)
+        joints = [joint for joint, row, alone in rows if row != alone]
+        return tuple(i for i, each in enumerate(self.coordinates) if each.name in joints)
 
     @cached_property
     def _mixing(self) -> np.ndarray:
@@ -91,8 +74,7 @@ class Sampler:
         """
         places = [JOINTS.index(self.coordinates[row].name) for row in self.correlated]
         values, vectors = np.linalg.eigh(np.array(self.correlation)[np.ix_(places, places)])
-        mixing: np.ndarray = vectors * np.sqrt(np.where(values > ROUNDING, values, 0.0))
-        return mixing
+        return np.asarray(vectors * np.sqrt(np.where(values > ROUNDING, values, 0.0)))
 
     def _correlate(self, variates: np.ndarray) -> None:
         """Correlate independent normal rows in place, then give each its own distribution."""
@@ -114,7 +96,5 @@ class Sampler:
 def _draw_normal(random: np.random.Generator, row: np.ndarray, lowest: float) -> None:
     """Fill a row with normal numbers, drawing those below ``lowest`` again."""
     random.standard_normal(out=row)
-    if lowest <= NEVER:
-        return
-    while (below := np.flatnonzero(row < lowest)).size:
+    while lowest > NEVER and (below := np.flatnonzero(row < lowest)).size:
         row[below] = random.standard_normal(below.size)

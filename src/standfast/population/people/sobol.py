@@ -14,99 +14,52 @@ import numpy as np
 # Independent scramblings of a quasi-Monte Carlo run: the interval is Student's t of their spread.
 REPLICATES = 16
 LARGEST_BLOCK = 2**17
-
 DIGITS = 52  # (x + ½) / 2⁵² is exact in float64 and neither 0 nor 1
 INDEX_BITS = 32
 CACHE_LINE = 64  # bytes
 STREAM = 1  # of a seed, whose plain random numbers are stream 0
 
+PLACES = np.arange(INDEX_BITS - 1, -1, -1, dtype=np.uint64)  # of an index's bits, first digit first
+
 # S. Joe and F. Y. Kuo, SIAM J Sci Comput 30 (2008) 2635-2654, new-joe-kuo-6, dimensions 2 to 64:
-# coefficients of the primitive polynomial, and the initial numbers m (as many as its degree).
-JOE_KUO = (
-    (0, (1,)),
-    (1, (1, 3)),
-    (1, (1, 3, 1)),
-    (2, (1, 1, 1)),
-    (1, (1, 1, 3, 3)),
-    (4, (1, 3, 5, 13)),
-    (2, (1, 1, 5, 5, 17)),
-    (4, (1, 1, 5, 5, 5)),
-    (7, (1, 1, 7, 11, 19)),
-    (11, (1, 1, 5, 1, 1)),
-    (13, (1, 1, 1, 3, 11)),
-    (14, (1, 3, 5, 5, 31)),
-    (1, (1, 3, 3, 9, 7, 49)),
-    (13, (1, 1, 1, 15, 21, 21)),
-    (16, (1, 3, 1, 13, 27, 49)),
-    (19, (1, 1, 1, 15, 7, 5)),
-    (22, (1, 3, 1, 15, 13, 25)),
-    (25, (1, 1, 5, 5, 19, 61)),
-    (1, (1, 3, 7, 11, 23, 15, 103)),
-    (4, (1, 3, 7, 13, 13, 15, 69)),
-    (7, (1, 1, 3, 13, 7, 35, 63)),
-    (8, (1, 3, 5, 9, 1, 25, 53)),
-    (14, (1, 3, 1, 13, 9, 35, 107)),
-    (19, (1, 3, 1, 5, 27, 61, 31)),
-    (21, (1, 1, 5, 11, 19, 41, 61)),
-    (28, (1, 3, 5, 3, 3, 13, 69)),
-    (31, (1, 1, 7, 13, 1, 19, 1)),
-    (32, (1, 3, 7, 5, 13, 19, 59)),
-    (37, (1, 1, 3, 9, 25, 29, 41)),
-    (41, (1, 3, 5, 13, 23, 1, 55)),
-    (42, (1, 3, 7, 3, 13, 59, 17)),
-    (50, (1, 3, 1, 3, 5, 53, 69)),
-    (55, (1, 1, 5, 5, 23, 33, 13)),
-    (56, (1, 1, 7, 7, 1, 61, 123)),
-    (59, (1, 1, 7, 9, 13, 61, 49)),
-    (62, (1, 3, 3, 5, 3, 55, 33)),
-    (14, (1, 3, 1, 15, 31, 13, 49, 245)),
-    (21, (1, 3, 5, 15, 31, 59, 63, 97)),
-    (22, (1, 3, 1, 11, 11, 11, 77, 249)),
-    (38, (1, 3, 1, 11, 27, 43, 71, 9)),
-    (47, (1, 1, 7, 15, 21, 11, 81, 45)),
-    (49, (1, 3, 7, 3, 25, 31, 65, 79)),
-    (50, (1, 3, 1, 1, 19, 11, 3, 205)),
-    (52, (1, 1, 5, 9, 19, 21, 29, 157)),
-    (56, (1, 3, 7, 11, 1, 33, 89, 185)),
-    (67, (1, 3, 3, 3, 15, 9, 79, 71)),
-    (70, (1, 3, 7, 11, 15, 39, 119, 27)),
-    (84, (1, 1, 3, 1, 11, 31, 97, 225)),
-    (97, (1, 1, 1, 3, 23, 43, 57, 177)),
-    (103, (1, 3, 7, 7, 17, 17, 37, 71)),
-    (115, (1, 3, 1, 5, 27, 63, 123, 213)),
-    (122, (1, 1, 3, 5, 11, 43, 53, 133)),
-    (8, (1, 3, 5, 5, 29, 17, 47, 173, 479)),
-    (13, (1, 3, 3, 11, 3, 1, 109, 9, 69)),
-    (16, (1, 1, 1, 5, 17, 39, 23, 5, 343)),
-    (22, (1, 3, 1, 5, 25, 15, 31, 103, 499)),
-    (25, (1, 1, 1, 11, 11, 17, 63, 105, 183)),
-    (44, (1, 1, 5, 11, 9, 29, 97, 231, 363)),
-    (47, (1, 1, 5, 15, 19, 45, 41, 7, 383)),
-    (52, (1, 3, 7, 7, 31, 19, 83, 137, 221)),
-    (55, (1, 1, 1, 3, 23, 15, 111, 223, 83)),
-    (59, (1, 1, 5, 13, 31, 15, 55, 25, 161)),
-    (62, (1, 1, 3, 13, 25, 47, 39, 87, 257)),
-)
+# coefficients of the primitive polynomial : the initial numbers m (as many as its degree).
+JOE_KUO = """
+0:1  1:1,3  1:1,3,1  2:1,1,1  1:1,1,3,3  4:1,3,5,13  2:1,1,5,5,17  4:1,1,5,5,5  7:1,1,7,11,19
+11:1,1,5,1,1  13:1,1,1,3,11  14:1,3,5,5,31  1:1,3,3,9,7,49  13:1,1,1,15,21,21  16:1,3,1,13,27,49
+19:1,1,1,15,7,5  22:1,3,1,15,13,25  25:1,1,5,5,19,61  1:1,3,7,11,23,15,103  4:1,3,7,13,13,15,69
+7:1,1,3,13,7,35,63  8:1,3,5,9,1,25,53  14:1,3,1,13,9,35,107  19:1,3,1,5,27,61,31
+21:1,1,5,11,19,41,61  28:1,3,5,3,3,13,69  31:1,1,7,13,1,19,1  32:1,3,7,5,13,19,59
+37:1,1,3,9,25,29,41  41:1,3,5,13,23,1,55  42:1,3,7,3,13,59,17  50:1,3,1,3,5,53,69
+55:1,1,5,5,23,33,13  56:1,1,7,7,1,61,123  59:1,1,7,9,13,61,49  62:1,3,3,5,3,55,33
+14:1,3,1,15,31,13,49,245  21:1,3,5,15,31,59,63,97  22:1,3,1,11,11,11,77,249
+38:1,3,1,11,27,43,71,9  47:1,1,7,15,21,11,81,45  49:1,3,7,3,25,31,65,79  50:1,3,1,1,19,11,3,205
+52:1,1,5,9,19,21,29,157  56:1,3,7,11,1,33,89,185  67:1,3,3,3,15,9,79,71  70:1,3,7,11,15,39,119,27
+84:1,1,3,1,11,31,97,225  97:1,1,1,3,23,43,57,177  103:1,3,7,7,17,17,37,71
+115:1,3,1,5,27,63,123,213  122:1,1,3,5,11,43,53,133  8:1,3,5,5,29,17,47,173,479
+13:1,3,3,11,3,1,109,9,69  16:1,1,1,5,17,39,23,5,343  22:1,3,1,5,25,15,31,103,499
+25:1,1,1,11,11,17,63,105,183  44:1,1,5,11,9,29,97,231,363  47:1,1,5,15,19,45,41,7,383
+52:1,3,7,7,31,19,83,137,221  55:1,1,1,3,23,15,111,223,83  59:1,1,5,13,31,15,55,25,161
+62:1,1,3,13,25,47,39,87,257
+"""
 
 
 @lru_cache(maxsize=1)
 def direction_numbers() -> np.ndarray:
     """Return the direction numbers (64, 32) of Sobol's sequence: bit 31 is the first digit."""
-    table = np.empty((1 + len(JOE_KUO), INDEX_BITS), np.uint64)
-    for dimension in range(len(table)):
-        if dimension == 0:
-            initial = [1] * INDEX_BITS
-        else:
-            coefficients, start = JOE_KUO[dimension - 1]
-            degree, initial = len(start), list(start)
-            for i in range(degree, INDEX_BITS):
-                new = initial[i - degree] ^ (initial[i - degree] << degree)
-                for k in range(1, degree):
-                    if (coefficients >> (degree - 1 - k)) & 1:
-                        new ^= initial[i - k] << k
-                initial.append(new)
-        table[dimension] = [m << (INDEX_BITS - 1 - i) for i, m in enumerate(initial)]
-    return table
+    entries = JOE_KUO.split()
+    table = np.ones((1 + len(entries), INDEX_BITS), np.uint64)
+    for row, entry in zip(table[1:], entries, strict=True):
+        polynomial, initial = entry.split(":")
+        coefficients, m = int(polynomial), [int(number) for number in initial.split(",")]
+        degree = len(m)
+        for i in range(degree, INDEX_BITS):
+            new = m[i - degree] ^ (m[i - degree] << degree)
+            for k in range(1, degree):
+                if (coefficients >> (degree - 1 - k)) & 1:
+                    new ^= m[i - k] << k
+            m.append(new)
+        row[:] = m
+    return table << PLACES
 
 
 @lru_cache(maxsize=8)
@@ -115,11 +68,8 @@ def scrambled_directions(seed: int, replicate: int, dimensions: int) -> tuple[np
     sequence = np.random.SeedSequence([seed, STREAM, replicate])
     random = np.random.Generator(np.random.SFC64(sequence))
     plain = direction_numbers()[:dimensions]
-    digits = (plain[:, :, None] >> np.arange(INDEX_BITS - 1, -1, -1, dtype=np.uint64)) & np.uint64(
-        1
-    )
-    lower = random.integers(0, 2, (dimensions, DIGITS, INDEX_BITS), np.uint64)
-    lower = np.tril(lower, -1)
+    digits = (plain[:, :, None] >> PLACES) & np.uint64(1)
+    lower = np.tril(random.integers(0, 2, (dimensions, DIGITS, INDEX_BITS), np.uint64), -1)
     lower[:, np.arange(INDEX_BITS), np.arange(INDEX_BITS)] = 1
     mixed = np.einsum("dij,dkj->dki", lower, digits) & np.uint64(1)
     weights = np.uint64(1) << np.arange(DIGITS - 1, -1, -1, dtype=np.uint64)

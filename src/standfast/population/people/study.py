@@ -16,22 +16,17 @@ from standfast.population.people.distributions import (
     Correlation,
     StiffnessDistribution,
     checked_distribution,
-)
-from standfast.population.people.keys import (
-    age_range,
-    checked_population,
     checked_stiffness,
-    subpopulations_of,
+    measured_stiffnesses,
 )
+from standfast.population.people.keys import age_range, checked_population, subpopulations_of
 from standfast.population.people.records import People, read_people
 from standfast.population.people.sobol import LARGEST_BLOCK, REPLICATES
 from standfast.study.canonical import canonical_text, fingerprint_of, from_json, json_value
 from standfast.study.toml import read_toml
 from standfast.study.values import checked_title, known_keys
 
-TOP_KEYS = ("title", "gravity", "population", "stiffness", "output")
 MOST_KEPT = 10**8  # persons stored one by one
-
 # Blocks that are written together: about a second of work, and less where every person is kept.
 BLOCKS_PER_SHARD, BLOCKS_PER_SHARD_KEPT = 64, 2
 
@@ -68,7 +63,7 @@ class PopulationStudy:
         """Check a study given as nested mappings, laid out as in the TOML file, or refuse it."""
         if isinstance(content, Mapping) and "body" in content and "population" not in content:
             raise InputError("this is the study of a sweep; run: standfast sweep")
-        known_keys("study", content, TOP_KEYS)
+        known_keys("study", content, ("title", "gravity", "population", "stiffness", "output"))
         title = checked_title(content)
         gravity = content.get("gravity", STANDARD_GRAVITY)
         if isinstance(gravity, list | tuple | Mapping):
@@ -95,15 +90,13 @@ class PopulationStudy:
                 f"output.persons keeps at most {MOST_KEPT:,} persons, "
                 f"and population.size is {population['size']:,}"
             )
+        stiffness: dict[str, Any] = {k: each.canonical() for k, each in distributions.items()}
         return cls(
             {
                 "title": title,
                 "gravity": checked_number("gravity", gravity),
                 "population": population,
-                "stiffness": {
-                    **{joint: each.canonical() for joint, each in distributions.items()},
-                    "correlation": [list(row) for row in correlation],
-                },
+                "stiffness": {**stiffness, "correlation": [list(row) for row in correlation]},
                 "output": {"persons": kept},
             },
             files,
@@ -114,13 +107,11 @@ class PopulationStudy:
         """Read a study back from its canonical JSON, or refuse; its people are not looked for."""
         try:
             content = json.loads(text)
-            sections = {key: set(content[key]) for key in ("population", "stiffness", "output")}
+            keys = {key: set(content[key]) for key in ("population", "stiffness", "output")}
+            whole = keys["stiffness"] == {*JOINTS, "correlation"} and "size" in keys["population"]
         except (ValueError, RecursionError, TypeError, KeyError):
-            raise InputError("the study inside the file cannot be read") from None
-        if (
-            sections["stiffness"] != {*JOINTS, "correlation"}
-            or "size" not in sections["population"]
-        ):
+            whole = False
+        if not whole:
             raise InputError("the study inside the file cannot be read")
         return cls(content, ())
 
@@ -158,32 +149,28 @@ class PopulationStudy:
     @property
     def seed(self) -> int:
         """Where all random numbers come from."""
-        return int(self._population["seed"])
+        return int(self.content["population"]["seed"])
 
     @property
     def method(self) -> str:
         """``monte-carlo`` or ``quasi-monte-carlo``."""
-        return str(self._population["method"])
+        return str(self.content["population"]["method"])
 
     @property
     def keeps_persons(self) -> bool:
         """Whether every person is stored."""
         return bool(self.content["output"]["persons"])
 
-    @property
-    def _population(self) -> Mapping[str, Any]:
-        section: Mapping[str, Any] = self.content["population"]
-        return section
-
     @cached_property
     def distributions(
         self,
     ) -> tuple[StiffnessDistribution, StiffnessDistribution, StiffnessDistribution]:
         """The distributions of the stiffness of ankle, knee and hip."""
-        section = self.content["stiffness"]
-        ankle, knee, hip = (
-            checked_distribution(joint, _as_given(from_json(section[joint]))) for joint in JOINTS
-        )
+        section = from_json(self.content["stiffness"])
+        for joint in JOINTS:
+            if section[joint]["distribution"] == "measured":
+                del section[joint]["relative_to"]  # which a study does not give either
+        ankle, knee, hip = (checked_distribution(joint, section[joint]) for joint in JOINTS)
         return ankle, knee, hip
 
     @property
@@ -194,9 +181,8 @@ class PopulationStudy:
     @cached_property
     def subpopulations(self) -> tuple[Subpopulation, ...]:
         """Those of a built-in population; empty for people of a file."""
-        if "builtin" not in self._population:
-            return ()
-        return subpopulations_of(self._population)
+        population = self.content["population"]
+        return subpopulations_of(population) if "builtin" in population else ()
 
     def read_people(self, *, strict: bool = False) -> People | None:
         """Read the files of people; None for a built-in population.
@@ -206,26 +192,20 @@ class PopulationStudy:
         InputError
             as :func:`.read_people`, and if the files have changed.
         """
-        if "people" not in self._population:
+        population = self.content["population"]
+        if "people" not in population:
             return None
-        if digest(self.files) != self._population["people_sha256"]:
+        if digest(self.files) != population["people_sha256"]:
             names = ", ".join(map(str, self.files))
             raise InputError(f"{names} changed while it was read; try again")
-        sex, age = self._population.get("sex"), self._population.get("age")
+        sex, age = population.get("sex"), population.get("age")
         lowest, highest = age_range(age) if age is not None else (0.0, math.inf)
-        measured = [
-            f"{joint}_stiffness"
-            for joint, distribution in zip(JOINTS, self.distributions, strict=True)
-            if distribution.kind == "measured"
-        ]
-        return read_people(
-            self.files,
-            strict=strict,
-            needed=measured,
-            selected=lambda of, years: (
-                (sex is None or of == sex) and (age is None or lowest <= years < highest)
-            ),
-        )
+
+        def selected(of: str, years: float) -> bool:
+            return (sex is None or of == sex) and (age is None or lowest <= years < highest)
+
+        needed = measured_stiffnesses(self.distributions)
+        return read_people(self.files, strict=strict, needed=needed, selected=selected)
 
     @property
     def replicates(self) -> int:
@@ -235,7 +215,7 @@ class PopulationStudy:
     @cached_property
     def per_replicate(self) -> int:
         """Persons of one replicate; a power of two for quasi-Monte Carlo, which needs it."""
-        asked = int(self._population["size"])
+        asked = int(self.content["population"]["size"])
         if self.method == "monte-carlo":
             return asked
         return 1 << max(-(-asked // REPLICATES) - 1, 0).bit_length()
@@ -273,13 +253,6 @@ class PopulationStudy:
     def block_persons(self, block: int) -> int:
         """Return how many persons of a block belong to the population."""
         return min(self.block_size, self.per_replicate - block * self.block_size)
-
-
-def _as_given(section: dict[str, Any]) -> dict[str, Any]:
-    """Return a canonical distribution as a study gives it: measured is relative to nothing."""
-    if section["distribution"] == "measured":
-        del section["relative_to"]
-    return section
 
 
 def _flat(content: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:

@@ -6,18 +6,17 @@ of its independent scramblings, by Student's t.
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.special import bdtrik, stdtrit
 
 CONFIDENCE = 0.95
 NORMAL_QUANTILE = 1.959963984540054
-
 LARGE = 10**6  # from here on the binomial distribution is normal
-
 # With fewer events the spread of the replicates is itself too uncertain to go by alone.
 FEW_EVENTS = 30
-
 # A bin that holds so many times more than its neighbours holds one value, not a stretch of them.
 ATOM = 4.0
 
@@ -35,9 +34,15 @@ class Estimate:
         """The two ends."""
         return [self.low, self.high]
 
+    def told(self, name: str, interval: str = "") -> dict[str, Any]:
+        """Return value and interval by name (name_interval), None for infinity as JSON has none."""
+        ends = (self.value, self.low, self.high)
+        value, low, high = (float(end) if math.isfinite(end) else None for end in ends)
+        return {name: value, interval or f"{name}_interval": [low, high]}
+
 
 def wilson(events: float, persons: float) -> Estimate:
-    """Return a fraction with Wilson's variate interval (J Am Stat Assoc 22 (1927) 209-212).
+    """Return a fraction with Wilson's score interval (J Am Stat Assoc 22 (1927) 209-212).
 
     (p + z²/2n ± z √(p(1−p)/n + z²/4n²)) / (1 + z²/n); never empty, also without any event.
     """
@@ -92,18 +97,10 @@ def effective_size(events: np.ndarray, persons: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class Distribution:
-    """Counts of a positive number in bins, by replicate, read as a distribution function.
+    """Counts of a positive number in bins, by replicate, read as a distribution function."""
 
-    Attributes
-    ----------
-    edges : (bins + 1,)
-        rising edges of the bins.
-    counts : (replicates, bins + 2)
-        the first column is what lies below all bins, the last what lies above.
-    """
-
-    edges: np.ndarray
-    counts: np.ndarray
+    edges: np.ndarray  # (bins + 1,), rising
+    counts: np.ndarray  # (replicates, bins + 2); the first lie below all bins, the last above
 
     @property
     def size(self) -> int:
@@ -112,8 +109,7 @@ class Distribution:
 
     def below(self, values: np.ndarray) -> np.ndarray:
         """Return the share of what lies below each value, linear within a bin."""
-        shares: np.ndarray = np.interp(values, self.edges, self._cumulated(self.counts.sum(axis=0)))
-        return shares
+        return np.asarray(np.interp(values, self.edges, self._shares))
 
     def quantile(self, share: float) -> Estimate:
         """Return the value below which a share lies; ``inf`` beyond the bins, 0 before them.
@@ -122,39 +118,36 @@ class Distribution:
         Woodruff's (J Am Stat Assoc 47 (1952) 635-646) from the spread of the replicates' shares
         below the value. It is open (``inf`` or 0) where no draw lies beyond.
         """
-        total = self.counts.sum(axis=0)
-        value = self._at(total, share)
+        value = self._at(share)
         if len(self.counts) == 1 or not math.isfinite(value):
             first, last = _ranks(self.size, share)
         else:
-            shares = [np.interp(value, self.edges, self._cumulated(each)) for each in self.counts]
+            shares = [np.interp(value, self.edges, _cumulated(each)) for each in self.counts]
             around = over_replicates(np.array(shares))
             spread = around.high - around.value
             first, last = (share - spread) * self.size, (share + spread) * self.size
-        low = self._at(total, first / self.size) if first >= 1.0 else 0.0
-        high = self._at(total, last / self.size) if last <= self.size else math.inf
-        return Estimate(value, self._from_atom(total, low, 0), self._from_atom(total, high, 1))
+        low = self._at(first / self.size) if first >= 1.0 else 0.0
+        high = self._at(last / self.size) if last <= self.size else math.inf
+        return Estimate(value, self._from_atom(low, 0), self._from_atom(high, 1))
 
-    def _from_atom(self, counts: np.ndarray, value: float, end: int) -> float:
+    def _from_atom(self, value: float, end: int) -> float:
         """Return the lower (0) or upper (1) edge of a bin that holds one and the same value.
 
         Where people are few, many draws are alike; where in its bin they lie is not known.
         """
         if not self.edges[0] < value < math.inf:
             return value
+        counts = self.counts.sum(axis=0)
         found = min(int(np.searchsorted(self.edges, value)), len(counts) - 2)
-        around = max(counts[found - 1], counts[found + 1])
-        alike = counts[found] > ATOM * around
+        alike = counts[found] > ATOM * max(counts[found - 1], counts[found + 1])
         return float(self.edges[found - 1 + end]) if alike else value
 
-    @staticmethod
-    def _cumulated(counts: np.ndarray) -> np.ndarray:
-        """Return the share below each edge."""
-        shares: np.ndarray = np.cumsum(counts[:-1]) / counts.sum()
-        return shares
+    @cached_property
+    def _shares(self) -> np.ndarray:
+        return _cumulated(self.counts.sum(axis=0))
 
-    def _at(self, counts: np.ndarray, share: float) -> float:
-        shares = self._cumulated(counts)
+    def _at(self, share: float) -> float:
+        shares = self._shares
         if share > shares[-1]:
             return math.inf
         if share <= shares[0]:
@@ -164,6 +157,11 @@ class Distribution:
         step = (share - shares[above - 1]) / (shares[above] - shares[above - 1])
         low, high = self.edges[above - 1], self.edges[above]
         return float(low + step * (high - low))
+
+
+def _cumulated(counts: np.ndarray) -> np.ndarray:
+    """Return the share below each edge."""
+    return np.asarray(np.cumsum(counts[:-1]) / counts.sum())
 
 
 def _ranks(size: int, share: float) -> tuple[float, float]:
@@ -193,19 +191,9 @@ def sobol_indices(first: np.ndarray, second: np.ndarray, mixed: np.ndarray) -> S
 
     With f(A), f(B) on two independent samples and f(ABi) on A with factor i taken from B:
     S_i = ⟨f(B) (f(ABi) − f(A))⟩ / V and T_i = ⟨(f(A) − f(ABi))²⟩ / 2V (Saltelli et al., Comput Phys
-    Commun 181 (2010) 259-270, after Jansen), V the variance of f(A) and f(B) together.
-
-    Parameters
-    ----------
-    first, second : (replicates, n)
-        f(A) and f(B).
-    mixed : (replicates, factors, n)
-        f(ABi).
-
-    Raises
-    ------
-    NoVarianceError
-        if all values are equal.
+    Commun 181 (2010) 259-270, after Jansen), V the variance of f(A) and f(B) together. ``first``
+    and ``second`` are f(A) and f(B) (replicates, n), ``mixed`` is f(ABi) (replicates, factors, n);
+    :class:`NoVarianceError` if all values are equal.
     """
     both = np.concatenate([first, second], axis=1)
     if np.ptp(both) == 0.0:

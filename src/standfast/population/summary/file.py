@@ -19,26 +19,19 @@ FORMAT_VERSION = 1
 
 @dataclass(frozen=True)
 class Population:
-    """A simulated population; made by :func:`open_population`.
-
-    Attributes
-    ----------
-    summary
-        all answers with their intervals, as ``standfast population --json`` prints them.
-    """
+    """A simulated population; made by :func:`open_population`."""
 
     path: Path
     study: PopulationStudy
     version: str
-    summary: dict[str, Any]
+    summary: dict[str, Any]  # all answers, as ``standfast population --json`` prints them
 
     def array(self, name: str) -> np.ndarray:
         """Read an array of the file by its name."""
         with h5py.File(self.path, "r") as file:
             if name not in file:
                 raise InputError(f"{self.path} has no {name!r} (inside: {', '.join(file)})")
-            values: np.ndarray = file[name][...]
-        return values
+            return np.asarray(file[name])
 
 
 def is_population(path: Path) -> bool:
@@ -51,13 +44,7 @@ def is_population(path: Path) -> bool:
 
 
 def open_population(path: str | Path) -> Population:
-    """Open the file of a simulated population and check that it is one.
-
-    Raises
-    ------
-    InputError
-        if there is no such file, or it is another kind of file, or damaged.
-    """
+    """Open the file of a simulated population and check that it is one."""
     path = Path(path)
     if not path.exists():
         raise InputError(f"{path}: there is no such file")

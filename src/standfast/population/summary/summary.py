@@ -3,21 +3,15 @@
 import itertools
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from standfast.parameters import JOINTS
 from standfast.population.cohort.cohort import AGE_CLASSES, Cohort
-from standfast.population.cohort.histograms import (
-    BMI_CLASSES,
-    HEIGHT_CLASSES,
-    Histograms,
-    bin_edges,
-    bmi_edges,
-    height_edges,
-)
+from standfast.population.cohort.histograms import BMI_EDGES, HEIGHT_EDGES, Histograms, bin_edges
 from standfast.population.people.builtin import ANSUR, NHANES, SOURCES
 from standfast.population.people.records import SEXES
 from standfast.population.people.study import PopulationStudy
@@ -25,19 +19,25 @@ from standfast.population.summary.estimators import (
     CONFIDENCE,
     NORMAL_QUANTILE,
     Distribution,
+    Estimate,
     effective_size,
     fraction,
     over_replicates,
     wilson,
 )
-from standfast.population.summary.sensitivity import Sensitivity
 
-# Shares of the population that are to stand, for which the stiffness is asked.
-STANDING_SHARES = (0.5, 0.9, 0.95, 0.99)
-# Fewer people tell nothing of the population that they are a sample of.
-FEWEST_PEOPLE = 30
+# Edges of the classes people are told apart by, after the World Health Organization for BMI; the
+# fine bins of the risk map fall on all of them.
+HEIGHT_CLASSES = (1.55, 1.65, 1.75, 1.85)
+BMI_CLASSES = (18.5, 25.0, 30.0, 35.0, 40.0)
+STANDING_SHARES = (0.5, 0.9, 0.95, 0.99)  # that are to stand, for which the stiffness is asked
+FEWEST_PEOPLE = 30  # fewer tell nothing of the population that they are a sample of
 SAME = 1e-12  # a relative variance that is rounding
 SHARES_TOLD = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
+
+
+# Sexes and age classes in the order in which they are told.
+CLASS_ORDER = [*SEXES, *(name for _, name in AGE_CLASSES), *(g.age for g in (*NHANES, *ANSUR))]
 
 
 class Summary:
@@ -48,9 +48,9 @@ class Summary:
         study: PopulationStudy,
         cohort: Cohort,
         replicates: Sequence[Histograms],
-        sensitivity: Sensitivity,
+        drivers: Mapping[str, Any],
     ) -> None:
-        self.study, self.cohort, self.sensitivity = study, cohort, sensitivity
+        self.study, self.cohort, self.drivers = study, cohort, drivers
         self.classes = np.array([each.classes for each in replicates])
         self.rows = np.sum([each.rows for each in replicates], axis=0)
         self.load_sums = np.array([each.load_sums for each in replicates])
@@ -66,28 +66,26 @@ class Summary:
         study = self.study
         persons = self.classes.sum(axis=(1, 2, 3, 4))
         events = self.classes[..., 1].sum(axis=(1, 2, 3))
-        unstable = fraction(events, persons)
-        found: dict[str, Any] = {
+        unstable, draws = fraction(events, persons), effective_size(events, persons)
+        return {
             "title": study.title,
             "gravity": study.gravity,
             "laws": json.loads(study.canonical)["stiffness"],
-            "unstable_fraction": unstable.value,
-            "unstable_fraction_interval": unstable.interval,
+            **unstable.told("unstable_fraction"),
             "confidence": CONFIDENCE,
             "size": study.size,
             "seed": study.seed,
             "method": study.method,
-            "effective_sample_size": effective_size(events, persons),
+            "effective_sample_size": draws,
             "persons_with_details": self.safety.size,
-            "people": self._people(unstable.value, effective_size(events, persons)),
+            "people": self._people(unstable.value, draws),
             "strata": self._strata(),
             "safety_factor": _quantiles(self.safety),
             "growth_rate_of_the_unstable": _quantiles(self.growth),
             "single_joint_critical_stiffness": self._loads(),
             "required_stiffness": self._required(),
-            "drivers": self._sensitivity(),
+            "drivers": self.drivers,
         }
-        return found
 
     def _people(self, unstable: float, draws: float) -> dict[str, Any]:
         people = self.cohort.people
@@ -100,9 +98,7 @@ class Summary:
             "effective_sample_size": people.effective_size,
             "survey_interval": self._survey_interval(unstable, draws),
             "not_selected": people.not_selected,
-            "rejected": [
-                {"file": r.file, "line": r.line, "reason": r.reason} for r in people.rejected
-            ],
+            "rejected": [asdict(each) for each in people.rejected],
             "remarks": list(people.remarks),
         }
 
@@ -127,36 +123,34 @@ class Summary:
         spread = unstable * (1.0 - unstable)
         variance = max(float(squared.sum()), 0.0) + spread / draws
         # nobody or everybody falls: as many people as there are could have been otherwise
-        alike = spread == 0.0
-        persons = people.effective_size if alike else spread / variance
+        persons = people.effective_size if spread == 0.0 else spread / variance
         return wilson(unstable * persons, persons).interval
 
     def _strata(self) -> dict[str, Any]:
         """Return the fraction unstable by sex, age, BMI and height."""
+        counts: dict[str, dict[str, np.ndarray]] = {}  # (replicate, verdict) by kind and class
         by_stratum = self.classes.sum(axis=(2, 3))  # replicate, stratum, verdict
-        found: dict[str, Any] = {}
         for number, key in enumerate(("sex", "age")):
-            labels = [stratum[number] for stratum in self.cohort.strata]
-            found[key] = {
-                label: self._stratum(
-                    by_stratum[:, [i for i, each in enumerate(labels) if each == label]].sum(axis=1)
-                )
-                for label in sorted(set(labels), key=_CLASS_ORDER.index)
-                if by_stratum[:, [i for i, each in enumerate(labels) if each == label]].any()
+            of_strata = np.array([stratum[number] for stratum in self.cohort.strata])
+            counts[key] = {
+                label: by_stratum[:, of_strata == label].sum(axis=1)
+                for label in sorted(set(of_strata.tolist()), key=CLASS_ORDER.index)
             }
-        fine: dict[str, tuple[np.ndarray, np.ndarray, Sequence[float]]]
-        fine = {"bmi": (self.classes.sum(axis=(1, 2)), bmi_edges(), BMI_CLASSES)}
-        fine["height"] = (self.classes.sum(axis=(1, 3)), height_edges(), HEIGHT_CLASSES)
-        for key, (counts, edges, limits) in fine.items():
+        fine = {
+            "bmi": (self.classes.sum(axis=(1, 2)), BMI_EDGES, BMI_CLASSES),
+            "height": (self.classes.sum(axis=(1, 3)), HEIGHT_EDGES, HEIGHT_CLASSES),
+        }
+        for key, (by_bin, edges, limits) in fine.items():
             # the first of the fine bins is all that lies below the first edge
             cuts = [0, *(1 + int(np.argmin(abs(edges - limit))) for limit in limits)]
-            sums = np.add.reduceat(counts, cuts, axis=1)
-            found[key] = {
-                label: self._stratum(sums[:, i])
-                for i, label in enumerate(_class_labels(limits))
-                if sums[:, i].sum() > 0
-            }
-        return found
+            sums = np.add.reduceat(by_bin, cuts, axis=1).swapaxes(0, 1)
+            inner = [f"{low:g} to {high:g}" for low, high in itertools.pairwise(limits)]
+            labels = [f"below {limits[0]:g}", *inner, f"{limits[-1]:g} and more"]
+            counts[key] = dict(zip(labels, sums, strict=True))
+        return {
+            key: {label: self._stratum(each) for label, each in classes.items() if each.any()}
+            for key, classes in counts.items()
+        }
 
     def _stratum(self, counts: np.ndarray) -> dict[str, Any]:
         """Return share and risk of the persons counted (replicate, verdict)."""
@@ -164,8 +158,7 @@ class Summary:
         unstable = fraction(counts[:, 1], persons)
         return {
             "share": float(persons.sum() / self.classes.sum()),
-            "unstable_fraction": unstable.value,
-            "interval": unstable.interval,
+            **unstable.told("unstable_fraction", "interval"),
         }
 
     def _loads(self) -> dict[str, Any]:
@@ -178,16 +171,11 @@ class Summary:
             variance = squares.sum() / persons.sum() - mean**2
             if variance < SAME * mean**2:
                 variance = 0.0
+            half = NORMAL_QUANTILE * math.sqrt(variance / persons.sum())
+            low, high = mean - half, mean + half
             if len(persons) > 1:
-                interval = over_replicates(sums / persons).interval
-            else:
-                half = NORMAL_QUANTILE * math.sqrt(variance / persons.sum())
-                interval = [mean - half, mean + half]
-            found[joint] = {
-                "mean": float(mean),
-                "mean_interval": [float(end) for end in interval],
-                "sd": math.sqrt(variance),
-            }
+                low, high = over_replicates(sums / persons).interval
+            found[joint] = {**Estimate(mean, low, high).told("mean"), "sd": math.sqrt(variance)}
         return found
 
     def _required(self) -> dict[str, Any]:
@@ -197,73 +185,25 @@ class Summary:
             found[joint] = {}
             rigid = distribution.kind == "fixed" and math.isinf(distribution.numbers[0])
             for share in STANDING_SHARES:
-                stiffness = self.threshold[joint].quantile(share)
-                multiple = self.multiple[joint].quantile(share)
+                multiple = self.multiple[joint].quantile(share).told("multiple")
                 found[joint][f"{share:g}"] = {
-                    "stiffness": _finite(stiffness.value),
-                    "stiffness_interval": [_finite(end) for end in stiffness.interval],
-                    "multiple": None if rigid else _finite(multiple.value),
-                    "multiple_interval": None
-                    if rigid
-                    else [_finite(end) for end in multiple.interval],
+                    **self.threshold[joint].quantile(share).told("stiffness"),
+                    **(dict.fromkeys(multiple) if rigid else multiple),
                 }
         found["all"] = {}
         for share in STANDING_SHARES:
             safety = self.safety.quantile(1.0 - share)
-            found["all"][f"{share:g}"] = {
-                "multiple": _finite(_inverse(safety.value)),
-                "multiple_interval": [_finite(_inverse(e)) for e in reversed(safety.interval)],
-            }
+            multiple_of_all = Estimate(*map(_inverse, (safety.value, safety.high, safety.low)))
+            found["all"][f"{share:g}"] = multiple_of_all.told("multiple")
         return found
-
-    def _sensitivity(self) -> dict[str, Any]:
-        found: dict[str, Any] = {}
-        for output in ("unstable", "safety_factor"):
-            if output in self.sensitivity.remarks:
-                found[output] = {"remark": self.sensitivity.remarks[output]}
-                continue
-            indices = self.sensitivity.indices[output]
-            found[output] = {
-                factor: {
-                    "first": first.value,
-                    "first_interval": first.interval,
-                    "total": total.value,
-                    "total_interval": total.interval,
-                }
-                for factor, first, total in zip(
-                    self.sensitivity.factors, indices.first, indices.total, strict=True
-                )
-            }
-        return found
-
-
-# Sexes and age classes in the order in which they are told.
-_CLASS_ORDER = [*SEXES, *(name for _, name in AGE_CLASSES), *(g.age for g in (*NHANES, *ANSUR))]
-
-
-def _class_labels(limits: Sequence[float]) -> list[str]:
-    """Return the names of the classes between rising limits."""
-    inner = [f"{low:g} to {high:g}" for low, high in itertools.pairwise(limits)]
-    return [f"below {limits[0]:g}", *inner, f"{limits[-1]:g} and more"]
 
 
 def _quantiles(distribution: Distribution) -> dict[str, Any] | None:
     """Return quantiles with intervals; None where nobody was counted."""
     if distribution.size == 0:
         return None
-    found = {}
-    for share in SHARES_TOLD:
-        quantile = distribution.quantile(share)
-        found[f"{share:g}"] = {
-            "value": _finite(quantile.value),
-            "interval": [_finite(end) for end in quantile.interval],
-        }
-    return found
-
-
-def _finite(value: float) -> float | None:
-    """Return a number, or None where JSON has none: no stiffness suffices."""
-    return float(value) if math.isfinite(value) else None
+    quantiles = {f"{share:g}": distribution.quantile(share) for share in SHARES_TOLD}
+    return {share: each.told("value", "interval") for share, each in quantiles.items()}
 
 
 def _inverse(value: float) -> float:

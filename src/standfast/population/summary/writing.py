@@ -12,7 +12,7 @@ import numpy as np
 
 from standfast.atlas.layout import set_attributes, set_text
 from standfast.parameters import JOINTS, PARAMETERS, STIFFNESS_UNIT
-from standfast.population.cohort.histograms import bmi_edges, height_edges
+from standfast.population.cohort.histograms import BMI_EDGES, HEIGHT_EDGES
 from standfast.population.people.study import PopulationStudy
 from standfast.population.summary.estimators import Distribution
 from standfast.population.summary.file import FORMAT, FORMAT_VERSION
@@ -20,8 +20,7 @@ from standfast.population.summary.summary import STANDING_SHARES, Summary
 from standfast.quantities import QUANTITIES, Quantity
 from standfast.version import __version__
 
-SAFETY_AXIS = np.round(np.geomspace(0.1, 10.0, 401), 6)
-MULTIPLE_AXIS = np.round(np.geomspace(0.1, 10.0, 401), 6)
+SAFETY_AXIS = MULTIPLE_AXIS = np.round(np.geomspace(0.1, 10.0, 401), 6)
 GROWTH_AXIS = np.round(np.geomspace(0.05, 20.0, 401), 6)
 
 
@@ -46,19 +45,17 @@ def write_summary(file: h5py.File, study: PopulationStudy, summary: Summary) -> 
     _write_risk_map(file, summary)
     _write_curves(file, summary)
     for joint in JOINTS:
-        for kind, of, unit in (
-            ("stiffness", summary.threshold[joint], STIFFNESS_UNIT),
-            ("multiple", summary.multiple[joint], "1"),
-        ):
-            _write_required(file, joint, kind, of, unit)
+        _write_required(file, joint, "stiffness", summary.threshold[joint], STIFFNESS_UNIT)
+        _write_required(file, joint, "multiple", summary.multiple[joint], "1")
 
 
 def _write_axes(file: h5py.File) -> None:
     """Write the axes of all arrays as dimension scales."""
-    heights, bmis = height_edges(), bmi_edges()
+    heights = 0.5 * (HEIGHT_EDGES[1:] + HEIGHT_EDGES[:-1])
+    bmis = 0.5 * (BMI_EDGES[1:] + BMI_EDGES[:-1])
     axes = {
-        "height": (0.5 * (heights[1:] + heights[:-1]), PARAMETERS["height"].unit, "height"),
-        "bmi": (0.5 * (bmis[1:] + bmis[:-1]), PARAMETERS["bmi"].unit, "body mass index"),
+        "height": (heights, PARAMETERS["height"].unit, "height"),
+        "bmi": (bmis, PARAMETERS["bmi"].unit, "body mass index"),
         "safety_factor": (SAFETY_AXIS, "1", QUANTITIES["safety_factor"].meaning),
         "multiple": (MULTIPLE_AXIS, "1", "all stiffnesses of the law times this"),
         "standing_share": (np.array(STANDING_SHARES), "1", "share of the population that stands"),
@@ -76,64 +73,38 @@ def _write_risk_map(file: h5py.File, summary: Summary) -> None:
     persons = inner.sum(axis=2)
     with np.errstate(invalid="ignore"):
         risk = inner[..., 1] / persons
-    _array(file, "persons", ("height", "bmi"), persons, "1", "persons simulated in the cell")
-    _array(file, "risk", ("height", "bmi"), risk, "1", "fraction unstable in the cell")
+    _array(file, "persons", persons, "persons simulated in the cell", "height", "bmi")
+    _array(file, "risk", risk, "fraction unstable in the cell", "height", "bmi")
 
 
 def _write_curves(file: h5py.File, summary: Summary) -> None:
     """Write distribution functions: of the safety factor, of multiples, of growth rates."""
-    safety = summary.safety
-    _array(
-        file,
-        "survival",
-        ("safety_factor",),
-        1.0 - safety.below(SAFETY_AXIS),
-        "1",
-        "share of persons whose safety factor is higher",
-    )
+    safety, growth = summary.safety, summary.growth
+    meaning = "share of persons whose safety factor is higher"
+    _array(file, "survival", 1.0 - safety.below(SAFETY_AXIS), meaning, "safety_factor")
     curves = {joint: 1.0 - summary.multiple[joint].below(MULTIPLE_AXIS) for joint in JOINTS}
     curves["all"] = safety.below(1.0 / MULTIPLE_AXIS)
     for joint, curve in curves.items():
         what = "all joints'" if joint == "all" else f"the {joint}'s"
-        _array(
-            file,
-            f"risk_by_{joint}_multiple",
-            ("multiple",),
-            curve,
-            "1",
-            f"fraction unstable with {what} stiffness multiplied",
-        )
-    if summary.growth.size:
-        _array(
-            file,
-            "growth_rate_below",
-            ("growth_rate",),
-            summary.growth.below(GROWTH_AXIS),
-            "1",
-            "share of falls that grow more slowly",
-        )
+        meaning = f"fraction unstable with {what} stiffness multiplied"
+        _array(file, f"risk_by_{joint}_multiple", curve, meaning, "multiple")
+    if growth.size:
+        meaning = "share of falls that grow more slowly"
+        _array(file, "growth_rate_below", growth.below(GROWTH_AXIS), meaning, "growth_rate")
 
 
 def _write_required(file: h5py.File, joint: str, kind: str, of: Distribution, unit: str) -> None:
     """Write what a joint must have so that shares of all stand, with the ends of its interval."""
     found = [of.quantile(share) for share in STANDING_SHARES]
-    for suffix, values in (
-        ("", [each.value for each in found]),
-        ("_lower", [each.low for each in found]),
-        ("_upper", [each.high for each in found]),
-    ):
-        _array(
-            file,
-            f"required_{joint}_{kind}{suffix}",
-            ("standing_share",),
-            np.array(values),
-            unit,
-            f"{joint} {kind} at which that share stands, the other joints as drawn",
-        )
+    meaning = f"{joint} {kind} at which that share stands, the other joints as drawn"
+    for suffix, field in (("", "value"), ("_lower", "low"), ("_upper", "high")):
+        values = np.array([getattr(each, field) for each in found])
+        name = f"required_{joint}_{kind}{suffix}"
+        _array(file, name, values, meaning, "standing_share", unit=unit)
 
 
 def _array(
-    file: h5py.File, name: str, axes: tuple[str, ...], values: np.ndarray, unit: str, meaning: str
+    file: h5py.File, name: str, values: np.ndarray, meaning: str, *axes: str, unit: str = "1"
 ) -> None:
     dataset = file.create_dataset(name, data=values)
     set_attributes(dataset, {"units": unit, "long_name": meaning})

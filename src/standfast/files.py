@@ -1,11 +1,15 @@
 """Files that are whole or not there: one way to write them, and to say how large they are."""
 
 import contextlib
+import errno
+import glob
 import os
 import secrets
 import socket
+import stat
 from collections.abc import Iterator
 from pathlib import Path
+from typing import BinaryIO
 
 PARTIAL = ".partial"
 
@@ -16,27 +20,82 @@ def partial_name(path: Path) -> Path:
     Process numbers repeat between the machines that share a file system, so the name carries the
     host and a random part too.
     """
-    host = socket.gethostname().partition(".")[0]
-    return path.with_name(f".{path.name}.{host}.{os.getpid()}.{secrets.token_hex(4)}{PARTIAL}")
+    return path.with_name(f".{path.name}.{_host()}.{os.getpid()}.{secrets.token_hex(4)}{PARTIAL}")
+
+
+def writer_of(partial: Path) -> tuple[str, int] | None:
+    """Return host and process that a name of :func:`partial_name` carries; None of any other."""
+    *_, host, process, _, _ = ["", "", "", *partial.name.split(".")]
+    return (host, int(process)) if process.isdecimal() and partial.suffix == PARTIAL else None
+
+
+def _host() -> str:
+    return socket.gethostname().partition(".")[0]
 
 
 @contextlib.contextmanager
 def whole_file(path: Path, *, synced: bool = False) -> Iterator[Path]:
     """Give a temporary name, and rename what is written there to ``path`` when the block ends.
 
-    If the block fails nothing is left. ``synced`` makes file and name survive a power loss.
+    If the block fails nothing is left; what killed processes of this host left is removed.
+    ``synced`` makes file and name survive a power loss.
+
+    Raises
+    ------
+    OSError
+        if the disk does not take it; it names ``path``.
     """
     partial = partial_name(path)
+    _remove_orphans(path)
     try:
         yield partial
         if synced:
             sync_file(partial)
         partial.replace(path)
+    except OSError as error:
+        if error.filename is None or Path(os.fsdecode(error.filename)) == partial:
+            error.filename, error.filename2 = str(path), None
+        raise
     finally:
         with contextlib.suppress(OSError):
             partial.unlink(missing_ok=True)
     if synced:
         sync_folder(path.parent)
+
+
+def _remove_orphans(path: Path) -> None:
+    """Remove what processes of this host that are gone left of a file."""
+    for orphan in path.parent.glob(f".{glob.escape(path.name)}.*{PARTIAL}"):
+        host, process = writer_of(orphan) or ("", 0)
+        if host == _host() and not is_running(process):
+            with contextlib.suppress(OSError):
+                orphan.unlink()
+
+
+def is_running(process: int) -> bool:
+    """Return whether a process of this host runs."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:  # it is another's
+        return True
+    return True
+
+
+def opened_plainly(path: Path) -> BinaryIO:
+    """Open a plain file for reading; never wait for a pipe or a device.
+
+    Raises
+    ------
+    OSError
+        if there is none, or it is anything but a plain file.
+    """
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+        os.close(descriptor)
+        raise OSError(errno.EINVAL, "not a plain file", str(path))
+    return os.fdopen(descriptor, "rb")
 
 
 def sync_file(path: Path) -> None:

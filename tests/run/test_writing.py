@@ -7,6 +7,7 @@ import os
 import random
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -288,7 +289,7 @@ def test_a_newcomer_during_the_tidying_finds_a_lock_of_its_own(study, whole, tmp
             pass
         tidy(folder)
         with locked(folder):
-            assert (folder / "lock").read_text() == str(os.getpid())
+            assert (folder / "lock").read_text().split()[:2] == [socket.gethostname(), str(os.getpid())]
             tidy(folder)
 
     monkeypatch.setattr(run_folder, "tidy", crowded)
@@ -301,7 +302,7 @@ def test_a_stale_lock_does_not_name_a_process_that_is_gone(study, tmp_path):
     path = tmp_path / "a.h5"
 
     def intrude(forecast):
-        (parts_of(path) / "lock").write_text("99999999")
+        (parts_of(path) / "lock").write_text(f"{socket.gethostname()} 99999999 5")
         with pytest.raises(sf.InputError, match="by another run; wait"):
             sf.sweep(study, path)
 

@@ -1,6 +1,5 @@
 """The same grid in memory: a study computed into a labelled dataset, without a file."""
 
-import os
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
@@ -9,6 +8,7 @@ import numpy as np
 from standfast.atlas.layout import file_attributes, parameter_attributes, quantity_attributes
 from standfast.engine.grid import Evaluator
 from standfast.errors import InputError
+from standfast.run.machine import cores
 from standfast.study.grid import Tile
 from standfast.study.study import Study
 
@@ -57,7 +57,7 @@ def compute(study: Study, *, threads: int | None = None) -> "xarray.Dataset":
         for name, values in zip(group.quantities, evaluate(tile), strict=True):
             arrays[name][target] = values[inside]
 
-    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+    with ThreadPoolExecutor(threads or cores()) as pool:
         for number in range(study.shard_count):
             list(pool.map(fill, study.grid.shard(number)))
     given = {**study.axes, **study.fixed}

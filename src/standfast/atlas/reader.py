@@ -1,7 +1,6 @@
 """Reading a finished atlas: by name, lazily, in threads, and without trusting the file."""
 
 import math
-import os
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -18,6 +17,7 @@ from standfast.atlas.encoding import constant_in, decoded
 from standfast.atlas.indexing import box_of, within_box
 from standfast.errors import InputError, UnknownNameError, nearest_name
 from standfast.quantities import QUANTITIES, Quantity
+from standfast.run.machine import cores
 from standfast.study.grid import Group
 from standfast.study.study import Study
 
@@ -237,7 +237,7 @@ def _read_box(
         range(part.start // side, -(-part.stop // side))
         for part, side in zip(box, sides, strict=True)
     )
-    workers = os.cpu_count() or 1
+    workers = cores()
     with ThreadPoolExecutor(workers) as pool:
         waiting = []
         for chunk in product(*touched):

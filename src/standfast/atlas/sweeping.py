@@ -1,7 +1,7 @@
 """The sweep of a study into an atlas file: its tiles, computed and encoded in threads."""
 
-from collections.abc import Generator, Hashable, Iterable, Iterator
-from functools import cached_property
+from collections.abc import Generator, Hashable, Iterable, Iterator, Sequence
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, Unpack, overload
 
@@ -13,8 +13,10 @@ from standfast.atlas.reader import Atlas
 from standfast.atlas.writer import EncodedTile, read_chunks, write_atlas, write_chunks
 from standfast.engine.grid import Evaluator
 from standfast.errors import InputError
-from standfast.run.loop import Announce, Progress, RunOptions, checked_options, run_job
+from standfast.run.loop import run_job
+from standfast.run.options import Announce, Executor, Progress, RunOptions, checked_options
 from standfast.run.shards import HEADER_BYTES
+from standfast.run.workers import write_shards
 from standfast.study.grid import Group, Tile
 from standfast.study.study import Study
 
@@ -42,6 +44,7 @@ def sweep(
     threads: int | None = None,
     progress: Progress | None = None,
     estimate: Announce | None = None,
+    executor: Executor | None = None,
 ) -> Atlas | None:
     """Compute a study into an atlas file; the same call resumes what was broken off.
 
@@ -53,11 +56,15 @@ def sweep(
         ``(i, N)`` computes the i-th of N shares of the shards, 1 ≤ i ≤ N, and finishes nothing; a
         call without ``part`` does what is left.
     threads
-        how many threads compute and compress (default: as many as cores); the file does not depend
-        on it.
+        how many threads compute and compress (default: as many as cores, in a worker of an
+        executor 1); the file does not depend on it.
     progress, estimate
         called after every tile with the values done and all, and once before the first with what
-        the run will take (:class:`standfast.run.Estimate`).
+        the run will take (:class:`standfast.run.estimate.Estimate`); with an executor after every
+        shard, and after the first.
+    executor
+        who computes the shards: any ``concurrent.futures.Executor`` whose workers are processes
+        that are not forked, or a ``dask.distributed.Client``. All need the output's folder.
 
     Returns
     -------
@@ -68,20 +75,35 @@ def sweep(
     InputError
         if the output belongs to another study or another run, or the study does not fit the disk.
     OSError
-        if the disk fills up after all; what is done stays and the same call goes on.
+        if the disk fills up after all, or workers fail again and again; what is done stays and the
+        same call goes on.
     """
-    options = checked_options(part, threads, progress, estimate)
-    return run_job(_Sweep(study), Path(output), part, options)
+    options = checked_options(part, threads, progress, estimate, executor)
+    return run_job(Sweep(study), Path(output), part, options)
 
 
-class _Sweep:
+def sweep_shards(
+    study: str, output: str, numbers: Sequence[int], threads: int, version: str
+) -> list[int] | str:
+    """Compute shards where an executor sends them (:class:`standfast.run.workers.Task`)."""
+    return write_shards(_sweep_of, study, output, numbers, threads, version)
+
+
+@lru_cache(maxsize=1)  # a worker compiles once
+def _sweep_of(canonical: str) -> "Sweep":
+    return Sweep(Study.from_canonical(canonical))
+
+
+class Sweep:
     """A sweep as the loop takes it: a unit is a tile, a piece its encoded chunks."""
 
     what = "values"
     threads_a_core = 1
+    task = staticmethod(sweep_shards)
 
     def __init__(self, study: Study) -> None:
         self.study = study
+        self.task_text = study.canonical
 
     @cached_property
     def _evaluate(self) -> Evaluator:
@@ -140,8 +162,11 @@ class _Sweep:
         return atlas
 
     def log(self) -> dict[str, Any]:
+        computed_here = "_evaluate" in vars(self)
         return {
             "values": self.study.points,
-            "verdicts_settled_by_exact_arithmetic": self._evaluate.resolved_exactly,
+            "verdicts_settled_by_exact_arithmetic_in_this_process": (
+                self._evaluate.resolved_exactly if computed_here else 0
+            ),
             "bytes_before_compression": self.study.raw_bytes,
         }

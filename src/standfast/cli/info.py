@@ -51,12 +51,13 @@ def _print_unfinished(path: Path, *, as_json: bool) -> bool:
     from standfast.population.people.study import PopulationStudy
     from standfast.run.folder import unfinished
 
-    found: tuple[PopulationStudy | Study, int] | None
+    found: tuple[PopulationStudy | Study, list[int]] | None
     found = unfinished(path, PopulationStudy) or unfinished(path, Study)
     if found is None:
         return False
-    study, done = found
+    study, missing = found
     count = study.shard_count
+    done = count - len(missing)
     if as_json:
         print(json.dumps({"title": study.title, "complete": False, "done": done, "of": count}))
         return True

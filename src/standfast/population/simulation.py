@@ -1,6 +1,9 @@
 """The simulation of a population: blocks of persons, counted in threads, into a file."""
 
-from collections.abc import Generator, Hashable, Iterable, Iterator
+import dataclasses
+import json
+from collections.abc import Generator, Hashable, Iterable, Iterator, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Unpack, overload
 
@@ -27,8 +30,10 @@ from standfast.population.summary.file import Population, open_population
 from standfast.population.summary.sensitivity import drivers_of
 from standfast.population.summary.summary import Summary
 from standfast.population.summary.writing import new_persons, write_summary
-from standfast.run.loop import Announce, Progress, RunOptions, checked_options, run_job
+from standfast.run.loop import run_job
+from standfast.run.options import Announce, Executor, Progress, RunOptions, checked_options
 from standfast.run.shards import HEADER_BYTES
+from standfast.run.workers import write_shards
 
 
 @overload
@@ -62,6 +67,7 @@ def simulate(
     threads: int | None = None,
     progress: Progress | None = None,
     estimate: Announce | None = None,
+    executor: Executor | None = None,
 ) -> Population | None:
     """Simulate a population into a file; the same call resumes what was broken off.
 
@@ -73,8 +79,9 @@ def simulate(
         ``(i, N)`` counts the i-th of N shares, 1 ≤ i ≤ N, and finishes nothing.
     strict
         stop at the first row of a file of people that cannot be used.
-    threads, progress, estimate
-        as of :func:`standfast.sweep`, with persons in place of values.
+    threads, progress, estimate, executor
+        as of :func:`standfast.sweep`, with persons in place of values; workers read the files of
+        people by the same paths.
 
     Returns
     -------
@@ -85,14 +92,30 @@ def simulate(
     InputError
         if the people cannot be read, or the output belongs to another study or another run.
     OSError
-        if the disk does not take it; what is done stays and the same call goes on.
+        if the disk does not take it, or workers fail again and again; what is done stays and the
+        same call goes on.
     """
-    options = checked_options(part, threads, progress, estimate)
-    job = _Simulation(study, study.read_people(strict=strict))
+    options = checked_options(part, threads, progress, estimate, executor)
+    job = Simulation(study, study.read_people(strict=strict))
     return run_job(job, Path(output), part, options)
 
 
-class _Simulation:
+def simulate_shards(
+    study: str, output: str, numbers: Sequence[int], threads: int, version: str
+) -> list[int] | str:
+    """Count shards where an executor sends them (:class:`standfast.run.workers.Task`)."""
+    return write_shards(_simulation_of, study, output, numbers, threads, version)
+
+
+@lru_cache(maxsize=1)  # a worker reads the people and compiles once
+def _simulation_of(text: str) -> "Simulation":
+    content = json.loads(text)
+    study = PopulationStudy.from_canonical(content["study"])
+    study = dataclasses.replace(study, files=tuple(map(Path, content["files"])))
+    return Simulation(study, study.read_people())
+
+
+class Simulation:
     """A population as the loop takes it: a unit is a block of persons, a piece its counts.
 
     A shard holds the sums of its blocks, then what was kept of every person, block by block.
@@ -100,10 +123,13 @@ class _Simulation:
 
     what = "persons"
     threads_a_core = 2  # one that waits for compiled code leaves its core to another
+    task = staticmethod(simulate_shards)
 
     def __init__(self, study: PopulationStudy, people: People | None) -> None:
         keep_freed_memory()
         self.study = study
+        files = [str(path.absolute()) for path in study.files]
+        self.task_text = json.dumps({"study": study.canonical, "files": files})
         self.cohort: Cohort = cohort_of(study, people)
 
     def units(self, shard: int) -> list[Block]:

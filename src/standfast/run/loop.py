@@ -1,101 +1,21 @@
-"""The one loop, of sweeps and populations: what no shard covers is computed in threads, in order.
+"""The one loop, of sweeps and populations: what no shard covers is computed, here or elsewhere.
 
-Read from the top: :func:`run_job` takes the folder, finds what is missing, estimates, computes,
-writes shards, and lets the job assemble the finished file.
+Read from the top: :func:`run_job` takes the folder, finds what is missing, has it computed by an
+executor or estimates and computes it in threads, writes shards, and lets the job assemble the
+finished file.
 """
 
-import os
 import time
-from collections import deque
-from collections.abc import Callable, Generator, Hashable, Iterable, Iterator, Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Generator, Iterator
 from contextlib import closing
-from itertools import groupby, islice
 from pathlib import Path
-from typing import Any, Generic, Protocol, TypedDict, TypeVar
 
-import numpy as np
-
-from standfast.errors import InputError
-from standfast.run.estimate import Estimate, disk_needed, free_bytes, sample
-from standfast.run.folder import RunFolder, tidy_up_after
-from standfast.run.log import write_log
+from standfast.run.computing import Computing, Job, Piece, Result_co, Unit, new_shard, write_shard
+from standfast.run.folder import RunFolder, tidy, tidy_up_after
+from standfast.run.log import log_text
+from standfast.run.options import RunOptions
 from standfast.run.shards import Work, shard_path
-
-# Called after every unit with the values (or persons) done and all of the run.
-Progress = Callable[[int, int], None]
-# Called with the estimate before the first.
-Announce = Callable[[Estimate], None]
-
-
-class RunOptions(TypedDict, total=False):
-    """How a run is done, which changes nothing in its file."""
-
-    threads: int | None
-    progress: Progress | None
-    estimate: Announce | None
-
-
-# Batches under way or waiting to be written, for each thread.
-AHEAD = 3
-
-Unit = TypeVar("Unit", bound=Hashable)
-Piece = TypeVar("Piece")
-Result_co = TypeVar("Result_co", covariant=True)
-
-
-class Job(Protocol[Unit, Piece, Result_co]):
-    """What is computed: units, each of which becomes a piece of the result, shard by shard."""
-
-    @property
-    def study(self) -> Work:
-        """What the result is of."""
-
-    @property
-    def what(self) -> str:
-        """What is counted: values, or persons."""
-
-    @property
-    def threads_a_core(self) -> int:
-        """How many threads are started for each core if their number is not given."""
-
-    def units(self, shard: int) -> list[Unit]:
-        """Return the units of a shard, in order."""
-
-    def size(self, unit: Unit) -> int:
-        """Return how many values or persons a unit is."""
-
-    def kind(self, unit: Unit) -> Hashable:
-        """Return what tells units apart that take different times."""
-
-    def batch(self, kind: Hashable) -> int:
-        """Return how many units of a kind a thread takes at once."""
-
-    def compute(self, unit: Unit) -> Piece:
-        """Compute a unit; called in threads."""
-
-    def stored_bytes(self, unit: Unit, piece: Piece) -> float:
-        """Return what a piece takes on the disk."""
-
-    def into_shard(
-        self, path: Path | None, shard: int, pieces: Iterable[Piece]
-    ) -> Generator[Piece, None, None]:
-        """Write the pieces of a shard as they come, unless without a path; hand on what it holds.
-
-        A path is a new shard's temporary file, to be written behind its header.
-        """
-
-    def out_of_shard(self, path: Path, shard: int) -> Iterator[Piece]:
-        """Read what a finished shard holds."""
-
-    def assemble(self, path: Path, pieces: Iterable[Piece]) -> None:
-        """Write the finished file from what all shards hold, in order."""
-
-    def open(self, path: Path) -> Result_co:
-        """Open the finished file; refuse any that is not of this study."""
-
-    def log(self) -> Mapping[str, Any]:
-        """Return what the log says of this kind of job."""
+from standfast.run.workers import compute_elsewhere
 
 
 def run_job(
@@ -113,11 +33,19 @@ def run_job(
     began = time.perf_counter()
     with RunFolder.enter(output, job.study, part=part) as folder:
         if output.exists():  # another run finished it just before this one took the lock
+            if part is None:
+                tidy(folder.path)
             return _already_there(job, output)
-        missing = folder.missing()
-        if part is not None:
-            missing = [number for number in missing if number % part[1] == part[0] - 1]
-        with closing(_Computing(job, missing, options)) as run:
+        own = range(job.study.shard_count)
+        missing = folder.missing(own if part is None else own[part[0] - 1 :: part[1]])
+        elsewhere = 0
+        if missing and options.get("executor") is not None:
+            left = compute_elsewhere(job, folder, missing, options)
+            elsewhere = sum(job.size(u) for n in set(missing) - set(left) for u in job.units(n))
+            missing = left
+        with closing(
+            Computing(job, missing, options.get("threads"), options.get("progress"))
+        ) as run:
             if missing:
                 found = run.estimate(folder, finishes=part is None)
                 found.require_room(output, job.what)
@@ -126,27 +54,17 @@ def run_job(
             computed = run.pieces()
             if part is not None:
                 for number in missing:
-                    with closing(_new_shard(job, folder, number, computed)) as written:
-                        deque(written, maxlen=0)
+                    write_shard(job, folder, number, computed)
                 return None
+
+            def log(size: int) -> str:
+                seconds = time.perf_counter() - began
+                more = {**job.log(), "bytes": size, "processors_of_shards": folder.processors()}
+                return log_text(job.study, job.what, run.total + elsewhere, seconds, more)
+
             with closing(_all_pieces(job, folder, missing, computed)) as pieces:
-                folder.finish(lambda path: job.assemble(path, pieces))
-    write_log(output, job.study, job.what, run.total, time.perf_counter() - began, job.log())
+                folder.finish(lambda path: job.assemble(path, pieces), log)
     return job.open(output)
-
-
-def checked_options(
-    part: tuple[int, int] | None,
-    threads: int | None,
-    progress: Progress | None,
-    estimate: Announce | None,
-) -> RunOptions:
-    """Return the options of a run; refuse a number of threads or a share that is none."""
-    if threads is not None and threads < 1:
-        raise InputError(f"threads = {threads} is not a number of threads; give 1 or more")
-    if part is not None and not 1 <= part[0] <= part[1]:
-        raise InputError(f"part = {part[0]}/{part[1]} is not a share; give i/N with 1 ≤ i ≤ N")
-    return {"threads": threads, "progress": progress, "estimate": estimate}
 
 
 def _already_there(job: Job[Unit, Piece, Result_co], output: Path) -> Result_co:
@@ -173,85 +91,4 @@ def _all_pieces(
         elif number == missing[-1]:
             yield from job.into_shard(None, number, computed)
         else:
-            yield from _new_shard(job, folder, number, computed)
-
-
-def _new_shard(
-    job: Job[Unit, Piece, Result_co],
-    folder: RunFolder[Work],
-    number: int,
-    computed: Iterator[Piece],
-) -> Generator[Piece, None, None]:
-    """Write the next pieces into a shard; hand on what it holds."""
-    with folder.new_shard(number) as path:
-        yield from job.into_shard(path, number, islice(computed, len(job.units(number))))
-
-
-class _Computing(Generic[Unit, Piece]):
-    """The units of the shards that are missing: estimated, and computed in threads."""
-
-    def __init__(self, job: Job[Unit, Piece, Any], missing: list[int], options: RunOptions) -> None:
-        self.job, self.shards = job, len(missing)
-        self.threads = options.get("threads") or job.threads_a_core * (os.cpu_count() or 1)
-        self.progress = options.get("progress")
-        self.units = [unit for number in missing for unit in job.units(number)]
-        self.sizes = [job.size(unit) for unit in self.units]
-        self.total = sum(self.sizes)
-        self._known: dict[Unit, Piece] = {}
-        self._pool = ThreadPoolExecutor(self.threads)
-
-    def close(self) -> None:
-        """Let go of the threads, and of what they have not begun."""
-        self._pool.shutdown(cancel_futures=True)
-
-    def estimate(self, folder: RunFolder[Work], *, finishes: bool) -> Estimate:
-        """Compute some units of each kind, evenly spread, and take them for the rest."""
-        seconds = size = 0.0
-        kinds: dict[Hashable, list[Unit]] = {}
-        for unit in self.units:
-            kinds.setdefault(self.job.kind(unit), []).append(unit)
-        for first, *rest in kinds.values():
-            self._known[first] = self._pool.submit(self.job.compute, first).result()  # compiles
-            sampled = [rest[number] for number in sample(len(rest))]
-            # the median: one of them may compile what is for points in doubt
-            timed = [*self._pool.map(self._timed, sampled)]
-            seconds += float(np.median(timed or [0.0])) * len(rest) / self.threads
-            sizes = [self.job.stored_bytes(unit, self._known[unit]) for unit in (first, *sampled)]
-            size += sum(sizes) / len(sizes) * (1 + len(rest))
-        stored = folder.stored_bytes
-        disk = disk_needed(size, self.shards, stored=stored, finishes=finishes)
-        return Estimate(self.total, disk, seconds, free_bytes(folder.path))
-
-    def pieces(self) -> Generator[Piece, None, None]:
-        """Compute the units in threads; give their pieces in order."""
-        waiting: deque[Future[list[Piece]]] = deque()
-        left = self._batches()
-        sizes = iter(self.sizes)
-        done = 0
-        while True:
-            for units in islice(left, AHEAD * self.threads - len(waiting)):
-                waiting.append(self._pool.submit(self._compute, units))
-            if not waiting:
-                return
-            for piece in waiting.popleft().result():
-                done += next(sizes)
-                if self.progress is not None:
-                    self.progress(done, self.total)
-                yield piece
-
-    def _batches(self) -> Iterator[list[Unit]]:
-        """Give the units that a thread takes at once."""
-        for kind, members in groupby(self.units, self.job.kind):
-            while units := list(islice(members, self.job.batch(kind))):
-                yield units
-
-    def _compute(self, units: list[Unit]) -> list[Piece]:
-        return [
-            self._known.pop(unit) if unit in self._known else self.job.compute(unit)
-            for unit in units
-        ]
-
-    def _timed(self, unit: Unit) -> float:
-        began = time.perf_counter()
-        self._known[unit] = self.job.compute(unit)
-        return time.perf_counter() - began
+            yield from new_shard(job, folder, number, computed)

@@ -15,7 +15,8 @@ from typing import BinaryIO, Protocol, Self
 
 from isal import isal_zlib
 
-from standfast.files import whole_file
+from standfast.files import opened_plainly, whole_file
+from standfast.run.machine import kind_of_processor
 from standfast.version import __version__
 
 HEADER_BYTES = 512
@@ -69,19 +70,35 @@ def new_shard(folder: Path, work: Work, number: int) -> Iterator[Path]:
         yield partial
         with partial.open("r+b") as file:
             file.seek(HEADER_BYTES)
-            header = _header(work, number, _checksum(file))
+            header = _header(work, number, kind_of_processor(), _checksum(file))
             file.seek(0)
             file.write(header)
 
 
 def is_valid(folder: Path, work: Work, number: int) -> bool:
-    """Return whether a shard is there, of this study and version, and as it was written."""
+    """Return whether a shard is there, of this study and version, and as it was written.
+
+    The kind of processor does not matter: verdicts are the same on all, numbers as accurate.
+    """
+    path = shard_path(folder, number)
+    processor = noted_processor(path)
+    if processor is None:
+        return False
     try:
-        with shard_path(folder, number).open("rb") as file:
+        with opened_plainly(path) as file:
             header = file.read(HEADER_BYTES)
-            return header == _header(work, number, _checksum(file))
+            return header == _header(work, number, processor, _checksum(file))
     except OSError:
         return False
+
+
+def noted_processor(shard: Path) -> str | None:
+    """Return the kind of processor that a shard says it was computed on, if it says so."""
+    try:
+        with opened_plainly(shard) as file:
+            return str(json.loads(file.read(HEADER_BYTES))["processor"])
+    except (OSError, ValueError, TypeError, KeyError):
+        return None
 
 
 def _checksum(file: BinaryIO) -> str:
@@ -95,12 +112,13 @@ def _checksum(file: BinaryIO) -> str:
     return digest.hexdigest()
 
 
-def _header(work: Work, number: int, checksum: str) -> bytes:
+def _header(work: Work, number: int, processor: str, checksum: str) -> bytes:
     content = {
         "standfast_shard": number,
         "of": work.shard_count,
         "study": work.fingerprint,
         "version": __version__,
+        "processor": processor,
         "checksum": checksum,
     }
     return json.dumps(content).encode().ljust(HEADER_BYTES)

@@ -7,6 +7,8 @@ import sys
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 
+import distributed
+import loky
 import pytest
 
 import deadly
@@ -31,8 +33,6 @@ def spawned():
 
 @contextlib.contextmanager
 def of_loky():
-    import loky
-
     pool = loky.ProcessPoolExecutor(2)
     yield pool
     pool.shutdown()
@@ -40,8 +40,6 @@ def of_loky():
 
 @contextlib.contextmanager
 def of_dask(tmp_path):
-    import distributed
-
     settings = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
     where = {"local_directory": str(tmp_path / "dask")}
     with (
@@ -91,8 +89,8 @@ def counted(people, tmp_path_factory):
 def test_the_same_bytes_with_a_worker_killed_inside_a_shard(
     kind, study, whole, people, counted, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(sweeping.Sweep, "task", staticmethod(deadly.sweep_killed_once))
-    monkeypatch.setattr(simulation.Simulation, "task", staticmethod(deadly.simulate_killed_once))
+    monkeypatch.setattr(sweeping, "sweep_shards", deadly.sweep_killed_once)
+    monkeypatch.setattr(simulation, "simulate_shards", deadly.simulate_killed_once)
     for compute, what, expected in (
         (sf.sweep, study, whole[1]), (sf.simulate, people, counted),
     ):  # fmt: skip

@@ -289,7 +289,10 @@ def test_a_newcomer_during_the_tidying_finds_a_lock_of_its_own(study, whole, tmp
             pass
         tidy(folder)
         with locked(folder):
-            assert (folder / "lock").read_text().split()[:2] == [socket.gethostname(), str(os.getpid())]
+            assert (folder / "lock").read_text().split()[:2] == [
+                socket.gethostname(),
+                str(os.getpid()),
+            ]
             tidy(folder)
 
     monkeypatch.setattr(run_folder, "tidy", crowded)

@@ -13,6 +13,7 @@ from standfast.atlas.reader import Atlas
 from standfast.atlas.writer import EncodedTile, read_chunks, write_atlas, write_chunks
 from standfast.engine.grid import Evaluator
 from standfast.errors import InputError
+from standfast.run.computing import Task
 from standfast.run.loop import run_job
 from standfast.run.options import Announce, Executor, Progress, RunOptions, checked_options
 from standfast.run.shards import HEADER_BYTES
@@ -79,27 +80,26 @@ def sweep(
         same call goes on.
     """
     options = checked_options(part, threads, progress, estimate, executor)
-    return run_job(Sweep(study), Path(output), part, options)
+    return run_job(_Sweep(study), Path(output), part, options)
 
 
 def sweep_shards(
     study: str, output: str, numbers: Sequence[int], threads: int, version: str
 ) -> list[int] | str:
-    """Compute shards where an executor sends them (:class:`standfast.run.workers.Task`)."""
+    """Compute shards where an executor sends them (:class:`standfast.run.computing.Task`)."""
     return write_shards(_sweep_of, study, output, numbers, threads, version)
 
 
 @lru_cache(maxsize=1)  # a worker compiles once
-def _sweep_of(canonical: str) -> "Sweep":
-    return Sweep(Study.from_canonical(canonical))
+def _sweep_of(canonical: str) -> "_Sweep":
+    return _Sweep(Study.from_canonical(canonical))
 
 
-class Sweep:
+class _Sweep:
     """A sweep as the loop takes it: a unit is a tile, a piece its encoded chunks."""
 
     what = "values"
     threads_a_core = 1
-    task = staticmethod(sweep_shards)
 
     def __init__(self, study: Study) -> None:
         self.study = study
@@ -108,6 +108,10 @@ class Sweep:
     @cached_property
     def _evaluate(self) -> Evaluator:
         return Evaluator(self.study)
+
+    @property
+    def task(self) -> Task:
+        return sweep_shards
 
     def units(self, shard: int) -> list[Tile]:
         return self.study.grid.shard(shard)

@@ -28,7 +28,10 @@ def run() -> None:
             stream.reconfigure(errors="replace")
     os.environ["MPLBACKEND"] = "agg"  # figures go to files, whatever the user's screen
     options = _parser().parse_args()
-    with compiled_programs_kept() if options.compiles else contextlib.nullcontext():
+    # workers of their own processes would read what others are writing
+    alone = not any(vars(options).get(name) for name in ("executor", "workers", "scheduler"))
+    kept = options.compiles and alone
+    with compiled_programs_kept() if kept else contextlib.nullcontext():
         code = _exit_code(options)
     # Nothing is left to do but to take Python, JAX and matplotlib apart: a tenth of a second, in
     # which threads of an interrupted run could meet what is gone.

@@ -14,6 +14,8 @@ from standfast.study.study import Study
 if TYPE_CHECKING:
     from standfast.atlas.reader import Atlas
 
+MOST_RUNS = 20  # of shards that are named
+
 
 def add(commands: Any) -> None:
     """Declare the command."""
@@ -49,7 +51,7 @@ def _info(options: argparse.Namespace) -> None:
 def _print_unfinished(path: Path, *, as_json: bool) -> bool:
     """Print what is known of a file that is being made; return whether one is."""
     from standfast.population.people.study import PopulationStudy
-    from standfast.run.folder import unfinished
+    from standfast.run.folder import unfinished, writers_of
 
     found: tuple[PopulationStudy | Study, list[int]] | None
     found = unfinished(path, PopulationStudy) or unfinished(path, Study)
@@ -58,15 +60,33 @@ def _print_unfinished(path: Path, *, as_json: bool) -> bool:
     study, missing = found
     count = study.shard_count
     done = count - len(missing)
+    writers = writers_of(path)
     if as_json:
-        print(json.dumps({"title": study.title, "complete": False, "done": done, "of": count}))
+        facts = {"title": study.title, "complete": False, "done": done, "of": count}
+        print(json.dumps({**facts, "missing": missing, "writers": writers}))
         return True
     print(f"{path}: {study.title or 'untitled study'}")
     print(f"not finished, {done} of {count} shards; the same command goes on")
+    if missing:
+        print(f"missing: {_in_runs(missing)}")
+    for writer in writers:
+        print(f"written by {writer}")
     if isinstance(study, Study):
         print()
         _print_parameters(study)
     return True
+
+
+def _in_runs(numbers: list[int]) -> str:
+    """Return rising numbers in words, such as ``0-3, 7``; many are cut short."""
+    runs: list[list[int]] = []
+    for number in numbers:
+        if runs and number == runs[-1][1] + 1:
+            runs[-1][1] = number
+        else:
+            runs.append([number, number])
+    words = [f"{first}-{last}" if last > first else f"{first}" for first, last in runs]
+    return ", ".join(words[:MOST_RUNS]) + (", …" if len(words) > MOST_RUNS else "")
 
 
 def _facts(atlas: "Atlas") -> dict[str, Any]:

@@ -23,7 +23,7 @@ def add_command(
         epilog=f"example: standfast {example}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.set_defaults(run=run, compiles=compiles)
+    parser.set_defaults(run=run, command=name, compiles=compiles)
     return parser
 
 
@@ -42,18 +42,10 @@ def add_format_option(parser: argparse.ArgumentParser, of_what: str = "") -> Non
     parser.add_argument("--format", action="append", choices=("png", "svg", "pdf"), help=words)
 
 
-def share_of_work(text: str) -> tuple[int, int]:
-    """Read ``i/N``."""
-    first, _, last = text.partition("/")
-    if not (first.isdecimal() and last.isdecimal() and 1 <= int(first) <= int(last)):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a share; give i/N, for example 2/8")
-    return int(first), int(last)
-
-
-def number_of_threads(text: str) -> int:
-    """Read a number of threads."""
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of threads; give 1 or more")
+def number_from_1(text: str) -> int:
+    """Read a number of threads or workers."""
+    if not (text.isascii() and text.isdecimal() and int(text) >= 1):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of them; give 1 or more")
     return int(text)
 
 

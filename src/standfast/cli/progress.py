@@ -1,6 +1,7 @@
 """How a long run shows that it lives: an estimate, then a bar, or plain lines off the terminal."""
 
 import contextlib
+import os
 import signal
 import sys
 import time
@@ -31,6 +32,8 @@ def interruptible() -> Iterator[Callable[[], None]]:
         nonlocal asked
         del signum, frame
         asked = True
+        with contextlib.suppress(OSError):
+            os.write(2, b"\nstopping after what is under way; Ctrl-C again stops at once\n")
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
     def stop_if_asked() -> None:

@@ -9,7 +9,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from standfast.cli.parsing import StoppedError, number_of_threads, share_of_work
+from standfast.cli.arrays import job_script, share_of_work
+from standfast.cli.executors import add_executor_options, executor_of
+from standfast.cli.parsing import StoppedError, number_from_1
 
 
 def add_run_options(parser: argparse.ArgumentParser, work: str) -> None:
@@ -22,10 +24,13 @@ def add_run_options(parser: argparse.ArgumentParser, work: str) -> None:
         "--part",
         type=share_of_work,
         metavar="i/N",
-        help="compute the i-th of N shares only, for array jobs; a later call finishes",
+        help="compute the i-th of N shares only, in an array job auto; a later call finishes",
     )
-    words = f"threads that {work} (default: all cores)"
-    parser.add_argument("--threads", type=number_of_threads, metavar="N", help=words)
+    words = f"threads that {work} (default: all cores, of a worker one)"
+    parser.add_argument("--threads", type=number_from_1, metavar="N", help=words)
+    add_executor_options(parser)
+    words = "print an array job with its finishing job"
+    parser.add_argument("--job-script", choices=("slurm",), help=words)
 
 
 def output_of(options: argparse.Namespace) -> Path:
@@ -45,6 +50,9 @@ def run_shards(
     from standfast.cli.progress import interruptible, progress_bar
 
     output = output_of(options)
+    if options.job_script:
+        print(job_script(options.command, options.study, output, study.shard_count), end="")
+        return None
     with progress_bar(what) as (show_estimate, show_progress), interruptible() as stop_if_asked:
 
         def after_estimate(estimate: Any) -> None:
@@ -56,11 +64,18 @@ def run_shards(
             stop_if_asked()
 
         settings |= {"threads": options.threads, "part": options.part}
-        with kept_when_stopped(output):
-            found = compute(study, output, progress=after_unit, estimate=after_estimate, **settings)
+        with kept_when_stopped(output), executor_of(options) as executor:
+            settings |= {"progress": after_unit, "estimate": after_estimate, "executor": executor}
+            found = compute(study, output, **settings)
     if found is None:
-        share = "{}/{}".format(*options.part)
-        print(f"Share {share} of {output} is done; without --part the same command finishes it.")
+        number, count = options.part
+        print(f"Share {number}/{count} of {output} ", end="")
+        if number > study.shard_count:
+            print(
+                f"has no work: it is cut into {study.shard_count} shards, so take at most as many."
+            )
+        else:
+            print("is done; without --part the same command finishes it.")
     return found
 
 

@@ -30,6 +30,7 @@ from standfast.population.summary.file import Population, open_population
 from standfast.population.summary.sensitivity import drivers_of
 from standfast.population.summary.summary import Summary
 from standfast.population.summary.writing import new_persons, write_summary
+from standfast.run.computing import Task
 from standfast.run.loop import run_job
 from standfast.run.options import Announce, Executor, Progress, RunOptions, checked_options
 from standfast.run.shards import HEADER_BYTES
@@ -96,26 +97,26 @@ def simulate(
         same call goes on.
     """
     options = checked_options(part, threads, progress, estimate, executor)
-    job = Simulation(study, study.read_people(strict=strict))
+    job = _Simulation(study, study.read_people(strict=strict))
     return run_job(job, Path(output), part, options)
 
 
 def simulate_shards(
     study: str, output: str, numbers: Sequence[int], threads: int, version: str
 ) -> list[int] | str:
-    """Count shards where an executor sends them (:class:`standfast.run.workers.Task`)."""
+    """Count shards where an executor sends them (:class:`standfast.run.computing.Task`)."""
     return write_shards(_simulation_of, study, output, numbers, threads, version)
 
 
 @lru_cache(maxsize=1)  # a worker reads the people and compiles once
-def _simulation_of(text: str) -> "Simulation":
+def _simulation_of(text: str) -> "_Simulation":
     content = json.loads(text)
     study = PopulationStudy.from_canonical(content["study"])
     study = dataclasses.replace(study, files=tuple(map(Path, content["files"])))
-    return Simulation(study, study.read_people())
+    return _Simulation(study, study.read_people())
 
 
-class Simulation:
+class _Simulation:
     """A population as the loop takes it: a unit is a block of persons, a piece its counts.
 
     A shard holds the sums of its blocks, then what was kept of every person, block by block.
@@ -123,7 +124,6 @@ class Simulation:
 
     what = "persons"
     threads_a_core = 2  # one that waits for compiled code leaves its core to another
-    task = staticmethod(simulate_shards)
 
     def __init__(self, study: PopulationStudy, people: People | None) -> None:
         keep_freed_memory()
@@ -131,6 +131,10 @@ class Simulation:
         files = [str(path.absolute()) for path in study.files]
         self.task_text = json.dumps({"study": study.canonical, "files": files})
         self.cohort: Cohort = cohort_of(study, people)
+
+    @property
+    def task(self) -> Task:
+        return simulate_shards
 
     def units(self, shard: int) -> list[Block]:
         replicate, numbers = self.study.shards[shard]

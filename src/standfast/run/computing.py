@@ -2,7 +2,7 @@
 
 import time
 from collections import deque
-from collections.abc import Callable, Generator, Hashable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Hashable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing
 from itertools import groupby, islice
@@ -19,6 +19,10 @@ from standfast.run.shards import Work
 
 # Batches under way or waiting to be written, for each thread.
 AHEAD = 3
+
+# What is sent: a function that a worker can import. It gets the text of a job, the output, shard
+# numbers, threads and the caller's version; it says which shards it wrote, or what went wrong.
+Task = Callable[[str, str, Sequence[int], int, str], list[int] | str]
 
 Unit = TypeVar("Unit", bound=Hashable)
 Piece = TypeVar("Piece")
@@ -41,8 +45,8 @@ class Job(Protocol[Unit, Piece, Result_co]):
         """How many threads are started for each core if their number is not given."""
 
     @property
-    def task(self) -> Callable[..., list[int] | str]:
-        """The function that does it elsewhere (:class:`standfast.run.workers.Task`)."""
+    def task(self) -> Task:
+        """The function that does it elsewhere (:data:`Task`)."""
 
     @property
     def task_text(self) -> str:

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Generic, TypeVar
 
 from standfast.errors import InputError
-from standfast.files import PARTIAL, partial_name, sync_file, sync_folder, whole_file
-from standfast.run.lock import BusyError, locked
+from standfast.files import PARTIAL, partial_name, sync_file, sync_folder, whole_file, writer_of
+from standfast.run.lock import BusyError, holders, locked
 from standfast.run.machine import kind_of_processor
 from standfast.run.shards import Work, is_valid, new_shard, noted_processor, shard_path
 
@@ -167,6 +167,17 @@ def unfinished(target: Path, kind: type[W]) -> tuple[W, list[int]] | None:
     if study is None:
         return None
     return study, [n for n in range(study.shard_count) if not shard_path(folder, n).is_file()]
+
+
+def writers_of(target: Path) -> list[str]:
+    """Say who writes an unfinished file: runs that hold its locks, processes with a shard begun."""
+    folder = parts_of(target)
+    words = [f"a run: {holder}" for holder in holders(folder)]
+    for partial in sorted(folder.glob(f".shard-*{PARTIAL}")):
+        host, process = writer_of(partial) or ("", 0)
+        shard = partial.name.split(".")[1]
+        words.append(f"process {process} on {host}: {shard}, begun")
+    return words
 
 
 def tidy_up_after(target: Path, study: Work) -> None:

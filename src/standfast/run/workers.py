@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
 from contextlib import closing
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from standfast.errors import InputError
 from standfast.run.computing import Computing, Job, write_shard
@@ -25,21 +25,13 @@ from standfast.version import __version__
 TRIES = 4  # of one shard
 WINDOW = 256  # tasks under way at once
 PATIENCE = 1800.0  # s without the end of any task, after which all are sent again
+HEARTBEAT = 1.0  # s between calls of progress, so that who is called can stop the run
 
 BORN = os.getpid()  # a process that is forked off has another
 
 
 class WorkersError(OSError):
     """Workers failed at a shard again and again; the message is what they said last."""
-
-
-class Task(Protocol):
-    """What is sent: a function that a worker can import, and text and numbers for it."""
-
-    def __call__(
-        self, study: str, output: str, numbers: Sequence[int], threads: int, version: str
-    ) -> list[int] | str:
-        """Compute shards into the folder of an output; say which, or what went wrong."""
 
 
 def compute_elsewhere(
@@ -58,8 +50,7 @@ def compute_elsewhere(
     try:
         while sent.queue or sent.waiting:
             sent.fill()
-            ended = wait(sent.waiting, timeout=PATIENCE, return_when=FIRST_COMPLETED).done
-            for future in ended or list(sent.waiting):
+            for future in sent.ended():
                 sent.take(future)
     except (BrokenExecutor, RuntimeError, ConnectionError):
         pass  # an executor that is broken or shut down takes nothing more
@@ -130,6 +121,16 @@ class _Sent:
             self.waiting[self.executor.submit(self.job.task, *task)] = number
             self.tries[self.queue.popleft()] += 1
 
+    def ended(self) -> list["Future[list[int] | str]"]:
+        """Wait for the end of some tasks; after too long for any, give up all."""
+        began = time.monotonic()
+        while time.monotonic() < began + PATIENCE:
+            beat = min(HEARTBEAT, PATIENCE)
+            if done := wait(self.waiting, timeout=beat, return_when=FIRST_COMPLETED).done:
+                return list(done)
+            self._tell()
+        return list(self.waiting)
+
     def take(self, future: "Future[list[int] | str]") -> None:
         """Look what became of a task that ended, or seems lost; send it again if it must be."""
         number = self.waiting.pop(future)
@@ -153,6 +154,9 @@ class _Sent:
             found.require_room(self.folder.target, self.job.what)
             if announce := self.options.get("estimate"):
                 announce(found)
+        self._tell()
+
+    def _tell(self) -> None:
         if progress := self.options.get("progress"):
             progress(self.done, self.total)
 

@@ -16,8 +16,9 @@ def add_command(
     commands: Any, run: Command, summary: str, example: str, *, compiles: bool = False
 ) -> argparse.ArgumentParser:
     """Declare a command by an example of its use; ``compiles``: it runs programs of JAX."""
+    name = example.partition(" ")[0]
     parser: argparse.ArgumentParser = commands.add_parser(
-        example.partition(" ")[0],
+        name,
         help=summary,
         description=summary[0].upper() + summary[1:] + ".",
         epilog=f"example: standfast {example}",

@@ -11,6 +11,7 @@ from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
+from standfast.errors import InputError
 from standfast.run.estimate import Estimate, disk_needed, free_bytes, sample
 from standfast.run.folder import RunFolder
 from standfast.run.machine import cores
@@ -19,6 +20,9 @@ from standfast.run.shards import Work
 
 # Batches under way or waiting to be written, for each thread.
 AHEAD = 3
+
+# What one run plans: 2·10¹² verdicts, or 2.6·10¹¹ numbers, 0.3 GB of plans.
+MOST_UNITS = 1_000_000
 
 # What is sent: a function that a worker can import. It gets the text of a job, the output, shard
 # numbers, threads and the caller's version; it says which shards it wrote, or what went wrong.
@@ -123,7 +127,13 @@ class Computing(Generic[Unit, Piece]):
         self.job, self.shards = job, len(missing)
         self.threads = threads or job.threads_a_core * cores()
         self.progress = progress
-        self.units = [unit for number in missing for unit in job.units(number)]
+        units = (unit for number in missing for unit in job.units(number))
+        self.units = list(islice(units, MOST_UNITS + 1))
+        if len(self.units) > MOST_UNITS:
+            raise InputError(
+                f"{len(missing)} shards are more than one run can plan; share them among many, "
+                "as --part i/N or with an executor"
+            )
         self.sizes = [job.size(unit) for unit in self.units]
         self.total = sum(self.sizes)
         self._known: dict[Unit, Piece] = {}

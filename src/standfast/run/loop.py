@@ -30,6 +30,8 @@ def run_job(
     """
     if output.exists():
         return _already_there(job, output)
+    if part is not None and part[0] > job.study.shard_count:
+        return None
     began = time.perf_counter()
     with RunFolder.enter(output, job.study, part=part) as folder:
         if output.exists():  # another run finished it just before this one took the lock

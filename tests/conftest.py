@@ -1,6 +1,7 @@
 """Double precision for all tests, and one atlas of several shards for those of the store."""
 
 import os
+import subprocess
 
 import jax
 import pytest
@@ -34,3 +35,18 @@ def begun(study, whole, tmp_path):
     for part in (1, 2):
         sf.sweep(study, path, part=(part, 2))
     return path
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A file system of its own, of 120 MB."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    mount = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=120m", "tmpfs", str(place)],
+        capture_output=True, check=False,
+    )  # fmt: skip
+    if mount.returncode != 0:
+        pytest.skip("may not mount a file system here")
+    yield place
+    subprocess.run(["umount", "-l", str(place)], check=True)

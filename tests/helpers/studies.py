@@ -85,3 +85,20 @@ def several_shards() -> dict[str, Any]:
             ]
         },
     }
+
+
+def toml_of(content: dict[str, Any]) -> str:
+    """A study as a user would write it into a file."""
+
+    def text(value: Any) -> str:
+        if isinstance(value, dict):
+            return "{ " + ", ".join(f"{key} = {text(item)}" for key, item in value.items()) + " }"
+        if isinstance(value, list):
+            return "[" + ", ".join(map(text, value)) + "]"
+        return f'"{value}"' if isinstance(value, str) else str(value)
+
+    tables = {key: value for key, value in content.items() if isinstance(value, dict)}
+    lines = [f"{key} = {text(value)}" for key, value in content.items() if key not in tables]
+    for name, table in tables.items():
+        lines += [f"[{name}]", *(f"{key} = {text(value)}" for key, value in table.items())]
+    return "\n".join(lines) + "\n"

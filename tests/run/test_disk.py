@@ -2,7 +2,6 @@
 
 import errno
 import shutil
-import subprocess
 
 import pytest
 
@@ -10,21 +9,6 @@ import standfast as sf
 from standfast.atlas import writer
 from standfast.run import folder as run_folder
 from standfast.run.folder import parts_of
-
-
-@pytest.fixture
-def small_disk(tmp_path):
-    """A file system of its own, of 120 MB."""
-    place = tmp_path / "disk"
-    place.mkdir()
-    mount = subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", "size=120m", "tmpfs", str(place)],
-        capture_output=True, check=False,
-    )  # fmt: skip
-    if mount.returncode != 0:
-        pytest.skip("may not mount a file system here")
-    yield place
-    subprocess.run(["umount", "-l", str(place)], check=True)
 
 
 def test_a_full_disk_is_one_error_and_can_be_resumed(study, whole, small_disk):

@@ -163,6 +163,14 @@ def test_what_a_broken_executor_leaves_is_computed_by_the_caller(study, whole, t
     assert path.read_bytes() == whole[1]
 
 
+def test_an_error_of_who_is_told_of_progress_is_not_taken_for_a_broken_executor(study, tmp_path):
+    def fail(done, total):
+        raise RuntimeError("mine")
+
+    with pytest.raises(RuntimeError, match="mine"):
+        sf.sweep(study, tmp_path / "a.h5", executor=Liar(0), progress=fail)
+
+
 def test_tasks_that_never_end_are_sent_again(study, whole, tmp_path, monkeypatch):
     class Forgetful(Liar):
         def submit(self, function, *arguments):

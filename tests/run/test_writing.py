@@ -330,6 +330,7 @@ def test_ctrl_c_is_one_sentence_and_exit_code_1(tmp_path):
         _, message = run.communicate(timeout=60)
         assert run.returncode == 1
         assert b"Traceback" not in message
+        assert b"stopping after what is under way; Ctrl-C again stops at once" in message
         assert (
             b"stopped; shards that are done are kept in big.h5.parts. To go on: standfast"
             in message

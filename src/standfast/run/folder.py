@@ -153,6 +153,10 @@ class RunFolder(Generic[W]):
                 text = log(partial.stat().st_size)
                 (self.path / LOG_FILE).write_text(text, encoding="utf-8")
             _name_new(partial, self.target)
+        except OSError as error:
+            if error.filename == str(partial):
+                error.filename = str(self.target)
+            raise
         finally:
             partial.unlink(missing_ok=True)
         sync_folder(self.target.parent)

@@ -42,7 +42,7 @@ def run_job(
         missing = folder.missing(own if part is None else own[part[0] - 1 :: part[1]])
         elsewhere = 0
         if missing and options.get("executor") is not None:
-            left = compute_elsewhere(job, folder, missing, options)
+            left = compute_elsewhere(job, folder, missing, options, finishes=part is None)
             elsewhere = sum(job.size(u) for n in set(missing) - set(left) for u in job.units(n))
             missing = left
         with closing(

@@ -35,7 +35,12 @@ class WorkersError(OSError):
 
 
 def compute_elsewhere(
-    job: Job[Any, Any, Any], folder: RunFolder[Work], missing: list[int], options: RunOptions
+    job: Job[Any, Any, Any],
+    folder: RunFolder[Work],
+    missing: list[int],
+    options: RunOptions,
+    *,
+    finishes: bool,
 ) -> list[int]:
     """Have shards computed by an executor; return those that are left because it is broken.
 
@@ -46,14 +51,11 @@ def compute_elsewhere(
     InputError
         if the result does not fit the disk.
     """
-    sent = _Sent(job, folder, missing, options)
+    sent = _Sent(job, folder, missing, options, finishes=finishes)
     try:
-        while sent.queue or sent.waiting:
-            sent.fill()
+        while sent.fill():
             for future in sent.ended():
                 sent.take(future)
-    except (BrokenExecutor, RuntimeError, ConnectionError):
-        pass  # an executor that is broken or shut down takes nothing more
     finally:
         for future in sent.waiting:
             future.cancel()
@@ -99,11 +101,13 @@ class _Sent:
         folder: RunFolder[Work],
         missing: list[int],
         options: RunOptions,
+        *,
+        finishes: bool,
     ) -> None:
         given: Any = options["executor"]
         # of a Dask client the executor, so that there is one way to submit
         self.executor = given.get_executor(pure=False) if hasattr(given, "get_executor") else given
-        self.job, self.folder, self.options = job, folder, options
+        self.job, self.folder, self.options, self.finishes = job, folder, options, finishes
         self.queue, self.left = deque(missing), set(missing)
         self.sizes = {number: sum(map(job.size, job.units(number))) for number in missing}
         self.total, self.done = sum(self.sizes.values()), 0
@@ -111,15 +115,21 @@ class _Sent:
         self.waiting: dict[Future[list[int] | str], int] = {}
         self.began = time.perf_counter()
 
-    def fill(self) -> None:
-        """Submit what is in the queue, as much as may be under way."""
+    def fill(self) -> bool:
+        """Submit what is in the queue, as much as may be under way; return whether any is."""
         output, text = str(self.folder.target.absolute()), self.job.task_text
         threads = self.options.get("threads") or 1
         while self.queue and len(self.waiting) < WINDOW:
             number = self.queue[0]
-            task = (text, output, (number,), threads, __version__)
-            self.waiting[self.executor.submit(self.job.task, *task)] = number
+            try:
+                future = self.executor.submit(
+                    self.job.task, text, output, (number,), threads, __version__
+                )
+            except (BrokenExecutor, RuntimeError, ConnectionError):
+                break  # it is broken or shut down and takes nothing more
+            self.waiting[future] = number
             self.tries[self.queue.popleft()] += 1
+        return bool(self.waiting)
 
     def ended(self) -> list["Future[list[int] | str]"]:
         """Wait for the end of some tasks; after too long for any, give up all."""
@@ -165,9 +175,8 @@ class _Sent:
         share = self.sizes[number] / self.total
         stored = shard_path(self.folder.path, number).stat().st_size
         content = stored / share
-        needed = disk_needed(
-            content, len(self.sizes), stored=self.folder.stored_bytes, finishes=True
-        )
+        there = self.folder.stored_bytes
+        needed = disk_needed(content, len(self.sizes), stored=there, finishes=self.finishes)
         workers = 1 + sum(future.running() for future in self.waiting)
         seconds = (time.perf_counter() - self.began) * (1.0 / share - 1.0) / workers
         free = free_bytes(self.folder.path) + stored

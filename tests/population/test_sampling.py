@@ -98,13 +98,45 @@ def test_joints_are_correlated_by_a_gaussian_copula(method):
     assert with_height == pytest.approx(0.0, abs=4.0 / np.sqrt(SIZE))
 
 
-def test_a_singular_correlation_is_possible():
-    one = ((1.0, 1.0, 1.0), (1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
-    names = ("ankle", "knee", "hip")
-    coordinates = tuple(Coordinate(name, "normal") for name in names)
-    ankle, knee, hip = Sampler(coordinates, one, "monte-carlo", 1).variates(0, 0, 1000)
-    assert ankle == pytest.approx(knee, abs=1e-12)
-    assert ankle == pytest.approx(hip, abs=1e-12)
+JOINTS_ALONE = tuple(Coordinate(name, "normal") for name in ("ankle", "knee", "hip"))
+
+
+def mixing_of(correlation):
+    """The matrix by which independent rows are mixed: what becomes of the unit vectors."""
+    sampler = Sampler(JOINTS_ALONE, correlation, "quasi-monte-carlo", 1)
+    units = stats.norm.cdf(np.eye(3))
+    return sampler.from_uniform(units)
+
+
+@pytest.mark.parametrize(
+    ("ankle_knee", "ankle_hip", "knee_hip"),
+    [
+        (0.6, -0.3, 0.2), (0.3, 0.3, 0.3), (1.0, 1.0, 1.0), (-1.0, 1.0, -1.0), (1.0, 0.5, 0.5),
+        (0.5, -1.0, -0.5), (0.5, 1.0, 0.5), (0.6, 0.8, 0.0), (-0.5, -0.5, -0.5),
+        (1.0 - 1e-13, 0.5, 0.5), (1.0 - 1e-11, 0.5, 0.5 + 1e-6),
+    ],
+)  # fmt: skip
+def test_mixing_gives_the_correlation_also_where_it_is_singular(ankle_knee, ankle_hip, knee_hip):
+    """L Lᵀ is the correlation and every row of L a unit vector, so that marginals stay normal."""
+    wanted = np.array([
+        [1.0, ankle_knee, ankle_hip], [ankle_knee, 1.0, knee_hip], [ankle_hip, knee_hip, 1.0],
+    ])  # fmt: skip
+    mixing = mixing_of(tuple(map(tuple, wanted)))
+    assert np.array_equal(mixing, np.tril(mixing))
+    assert np.linalg.norm(mixing, axis=1) == pytest.approx(1.0, abs=1e-12)
+    just_possible = 2e-6 if ankle_knee == 1.0 - 1e-11 else 1e-12
+    assert mixing @ mixing.T == pytest.approx(wanted, abs=just_possible)
+    # it can fail
+    mixing[2, 0] += 1e-5
+    assert mixing @ mixing.T != pytest.approx(wanted, abs=just_possible)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_joints_correlated_by_one_are_the_same_to_the_last_digit(sign):
+    one = ((1.0, sign, 1.0), (sign, 1.0, sign), (1.0, sign, 1.0))
+    ankle, knee, hip = Sampler(JOINTS_ALONE, one, "monte-carlo", 1).variates(0, 0, 1000)
+    assert np.array_equal(ankle, sign * knee)
+    assert np.array_equal(ankle, hip)
 
 
 @pytest.mark.parametrize("method", METHODS)

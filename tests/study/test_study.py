@@ -5,6 +5,7 @@ import math
 import random
 from pathlib import Path
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -377,3 +378,24 @@ def test_log_and_linear_ranges():
     linear = axis_values({"start": 0.0, "stop": 1.0, "num": 3, "spacing": "linear"})
     np.testing.assert_allclose(log, [1.0, 10.0, 100.0])
     np.testing.assert_array_equal(linear, [0.0, 0.5, 1.0])
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "num"), [(0.1, 2000.0, 1000), (10.0, 2000.0, 200), (1e-3, 3.3, 7), (1, 8, 4)]
+)
+def test_log_ranges_are_rounded_once(start, stop, num):
+    """The float64 nearest to 60 digits, on every machine; powers of NumPy's are not always."""
+    found = axis_values({"start": start, "stop": stop, "num": num, "spacing": "log"})
+    with mpmath.workdps(60):
+        step = (mpmath.mpf(stop) / mpmath.mpf(start)) ** (mpmath.mpf(1) / (num - 1))
+        exact = [float(mpmath.mpf(start) * step**i) for i in range(num)]
+    assert found.tolist() == exact
+    assert (found[0], found[-1], found.size) == (start, stop, num)
+    # it can fail
+    assert start != 0.1 or np.geomspace(start, stop, num).tolist() != exact
+
+
+def test_who_writes_into_an_axis_changes_no_other():
+    value = {"start": 1.0, "stop": 100.0, "num": 3, "spacing": "log"}
+    axis_values(value)[0] = 5.0
+    assert axis_values(value)[0] == 1.0

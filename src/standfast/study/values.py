@@ -6,7 +6,10 @@ given, and the nearest right name or the allowed range.
 
 import itertools
 import math
+import operator
 from collections.abc import Iterable, Mapping
+from decimal import Context, Decimal, localcontext
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -20,16 +23,34 @@ RANGE_KEYS = ("start", "stop", "num", "spacing")
 SPACINGS = ("linear", "log")
 LONGEST_AXIS = 10_000_000
 
+# Ten million multiplications leave more than 40 of them, and a float64 is rounded from 17.
+DIGITS = 50
+
 
 def axis_values(value: Value) -> np.ndarray | None:
     """Return the values of a list or range; None for a single value."""
     if isinstance(value, list):
         return np.array(value)
     if isinstance(value, dict):
-        spaced = np.geomspace if value["spacing"] == "log" else np.linspace
-        values: np.ndarray = spaced(value["start"], value["stop"], value["num"])
-        return values
+        ends = value["start"], value["stop"], value["num"]
+        if value["spacing"] == "log":
+            return _log_spaced(*ends).copy()
+        # a multiplication and an addition a value: the same on every machine
+        return np.linspace(*ends)
     return None
+
+
+@lru_cache(maxsize=8)
+def _log_spaced(start: float, stop: float, num: int) -> np.ndarray:
+    """Return start (stop/start)^(i/(num − 1)), rounded once: the same on every machine.
+
+    The powers of ``numpy.geomspace`` differ in their last bit between processors.
+    """
+    with localcontext(Context(prec=DIGITS)):
+        step = ((Decimal(stop) / Decimal(start)).ln() / (num - 1)).exp()
+        steps = itertools.repeat(step, num - 2)
+        values = itertools.accumulate(steps, operator.mul, initial=Decimal(start))
+        return np.fromiter(itertools.chain(map(float, values), (stop,)), np.float64, num)
 
 
 def known_keys(where: str, given: Any, known: Iterable[str]) -> None:

@@ -5,6 +5,7 @@ generator a block; quasi-Monte Carlo from scrambled Sobol sequences, one indepen
 *replicate*, whose spread gives the interval.
 """
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,7 +17,10 @@ from standfast.population.people.distributions import UNCORRELATED, Coordinate, 
 from standfast.population.people.sobol import aligned, sobol_block
 
 STREAM = 0  # of a seed; scrambling is another
-ROUNDING = 1e-12  # of an eigenvalue of a correlation
+
+# Of a pivot: what a joint has of its own, beside the joints before it.
+ROUNDING = 1e-12
+
 # Below this variate a standard normal number does not come in float64: nothing is cut off.
 NEVER = -8.3
 
@@ -67,21 +71,35 @@ class Sampler:
         return tuple(i for i, each in enumerate(self.coordinates) if each.name in joints)
 
     @cached_property
-    def _mixing(self) -> np.ndarray:
-        """A matrix L with L Lᵀ the correlation; it may be singular, so by eigenvalues.
+    def _mixing(self) -> list[list[float]]:
+        """Rows of the lower triangle L with L Lᵀ the correlation (Cholesky); it may be singular.
 
-        What rounding leaves of an eigenvalue of 0 differs between processors: it is 0.
+        Without pivots and in plain numbers, so that it is the same on every processor.
         """
         places = [JOINTS.index(self.coordinates[row].name) for row in self.correlated]
-        values, vectors = np.linalg.eigh(np.array(self.correlation)[np.ix_(places, places)])
-        return np.asarray(vectors * np.sqrt(np.where(values > ROUNDING, values, 0.0)))
+        mixing: list[list[float]] = []
+        for place in places:
+            row: list[float] = []
+            rest = 1.0
+            for other, above in zip(places, mixing, strict=False):
+                done = sum(a * b for a, b in zip(row, above, strict=False))
+                entry = (self.correlation[place][other] - done) / above[-1] if above[-1] else 0.0
+                # of a correlation that is only just possible rounding may ask for more than is left
+                row.append(min(max(entry, -math.sqrt(rest)), math.sqrt(rest)))
+                rest = max(rest - row[-1] ** 2, 0.0)
+            mixing.append([*row, math.sqrt(rest) if rest > ROUNDING else 0.0])
+        return mixing
 
     def _correlate(self, variates: np.ndarray) -> None:
         """Correlate independent normal rows in place, then give each its own distribution."""
         rows = list(self.correlated)
         if not rows:
             return
-        mixed = self._mixing @ variates[rows]
+        # sums in this order, and no library's product of matrices, are the same everywhere
+        mixed = [
+            sum(part * variates[row] for part, row in zip(parts, rows, strict=False))
+            for parts in self._mixing
+        ]
         for row, normal in zip(rows, mixed, strict=True):
             coordinate = self.coordinates[row]
             if coordinate.kind == "uniform":

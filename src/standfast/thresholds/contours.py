@@ -22,6 +22,9 @@ from standfast.thresholds.planes import ANKLE, HIP, PLANE_AXES, Plane
 # is not one: it is positive again where two modes fall.
 SIGNED = ("stiffness_reserve", "eigenvalue_1", "frequency")
 
+# Points of a plane that are contoured at once; it takes some 40 bytes each.
+BAND_POINTS = 2**20
+
 
 @dataclass(frozen=True, slots=True)
 class Contour:
@@ -65,9 +68,7 @@ def extracted_contours(atlas: Atlas) -> Iterator[Contour]:
     swapped = variable.dims.index(HIP) < variable.dims.index(ANKLE)
     for index, values in variable.planes(along=PLANE_AXES):
         plane = planes.plane_at(atlas.study, index)
-        # λ is smooth at the limit, its root is not
-        smooth = values * np.abs(values) if source == "frequency" else values
-        lines = _lines(ankles, hips, smooth.T if swapped else smooth, level)
+        lines = _lines(ankles, hips, values.T if swapped else values, source, level)
         limit = plane.limit_of_standing(ankles, hips)
         yield Contour(plane, *limit, lines, *_distances(plane, ankles, hips, lines))
 
@@ -86,18 +87,51 @@ def source_of(atlas: Atlas) -> tuple[str, float]:
 
 
 def _lines(
-    ankles: np.ndarray, hips: np.ndarray, values: np.ndarray, level: float
+    ankles: np.ndarray, hips: np.ndarray, values: np.ndarray, source: str, level: float
 ) -> list[np.ndarray]:
     """Return the level lines of values (ankle, hip) as arrays of ankle and hip."""
-    rows, columns = np.isfinite(ankles), np.isfinite(hips)
-    inside = values[np.ix_(rows, columns)].astype(float)
-    if min(inside.shape) < 2:
+    ankles, hips = planes.finite(ankles), planes.finite(hips)
+    if min(ankles.size, hips.size) < 2:
         return []
-    # an infinite margin is as stable as any large one
-    inside = np.nan_to_num(inside, posinf=np.finfo(float).max, neginf=-np.finfo(float).max)
-    generator = contourpy.contour_generator(hips[columns], ankles[rows], inside)
-    found: Any = generator.lines(level)
-    return [line[:, ::-1] for line in found]
+    pieces: list[np.ndarray] = []
+    rows = max(BAND_POINTS // hips.size, 1)
+    for first in range(0, ankles.size - 1, rows):
+        band = slice(first, min(first + rows + 1, ankles.size))  # bands share the row between them
+        inside = values[band, : hips.size].astype(float)
+        if source == "frequency":  # λ is smooth at the limit, its root is not
+            inside *= np.abs(inside)
+        # an infinite margin is as stable as any large one
+        largest = np.finfo(float).max
+        np.nan_to_num(inside, copy=False, posinf=largest, neginf=-largest)
+        generator = contourpy.contour_generator(hips, ankles[band], inside)
+        found: Any = generator.lines(level)
+        pieces += found
+    return [line[:, ::-1] for line in _joined(pieces)]
+
+
+def _joined(pieces: list[np.ndarray]) -> list[np.ndarray]:
+    """Join the pieces of lines that end where another begins, to the last digit."""
+    begins: dict[bytes, list[int]] = {}
+    for number, piece in enumerate(pieces):
+        begins.setdefault(piece[0].tobytes(), []).append(number)
+    after = {
+        number: there.pop(0)
+        for number, piece in enumerate(pieces)
+        if (there := begins.get(piece[-1].tobytes()))
+    }
+    lines: dict[int, np.ndarray] = {}
+    left = set(range(len(pieces)))
+    # what has no head goes in a circle
+    for head in [*sorted(left - set(after.values())), *range(len(pieces))]:
+        chain: list[np.ndarray] = []
+        at = head
+        while at in left:
+            left.remove(at)
+            chain.append(pieces[at][1:] if chain else pieces[at])
+            at = after.get(at, -1)
+        if chain:
+            lines[head] = np.concatenate(chain)
+    return [lines[head] for head in sorted(lines)]
 
 
 def _distances(

@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import os
 from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import closing
@@ -18,6 +19,9 @@ from standfast.study.grid import Tile
 from standfast.study.study import Study
 
 SYNCED_BYTES = 2**24
+
+# What HDF5 may put between two blocks of numbers: headers, attributes, lists of names.
+BETWEEN_BYTES = 2**18
 
 
 class EncodedTile(NamedTuple):
@@ -86,6 +90,28 @@ def write_atlas(path: Path, study: Study, tiles: Iterable[EncodedTile]) -> None:
             sync.result()
     if read_back != written:
         raise OSError(errno.EIO, "the file does not read back as it was written", str(path))
+
+
+@contextlib.contextmanager
+def new_file(path: Path) -> Iterator[h5py.File]:
+    """Make an HDF5 file of which every block is announced to :func:`reserve`."""
+    path.write_bytes(bytes(BETWEEN_BYTES))  # a disk that is full already says so here
+    with failures_of_hdf5(path), h5py.File(path, "w", libver=LIBRARIES) as file:
+        reserve(file, 0)
+        yield file
+        file.flush()
+        os.truncate(path, file.id.get_filesize())
+
+
+def reserve(file: h5py.File, size: int) -> None:
+    """Take room on the disk for what is written next.
+
+    HDF5 writes some of it as an object is closed. If that fails, h5py prints what it cannot raise,
+    and the process may die of it; so the disk is full here, or not at all.
+    """
+    with Path(file.filename).open("r+b") as room:
+        room.seek(file.id.get_filesize())
+        room.write(bytes(size + BETWEEN_BYTES))
 
 
 @contextlib.contextmanager

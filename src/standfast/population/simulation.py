@@ -10,8 +10,7 @@ from typing import Any, Unpack, overload
 import h5py
 import numpy as np
 
-from standfast.atlas.layout import LIBRARIES
-from standfast.atlas.writer import failures_of_hdf5
+from standfast.atlas.writer import new_file, reserve
 from standfast.engine.memory import keep_freed_memory
 from standfast.errors import InputError
 from standfast.population.cohort.cohort import Cohort, cohort_of
@@ -177,7 +176,7 @@ class _Simulation:
     def assemble(self, path: Path, pieces: Iterable[Counts]) -> None:
         study, start = self.study, 0
         replicates = [self._empty() for _ in range(study.replicates)]
-        with failures_of_hdf5(path), h5py.File(path, "w", libver=LIBRARIES) as file:
+        with new_file(path) as file:
             if study.keeps_persons:
                 new_persons(file, study.size, KEPT)
             for (replicate, numbers), piece in zip(study.shards, pieces, strict=True):
@@ -190,6 +189,7 @@ class _Simulation:
     def _write_persons(self, file: h5py.File, start: int, blocks: range, kept: bytes) -> int:
         """Write what was kept of the persons of a shard's blocks; return where the next begin."""
         at = 0
+        reserve(file, len(kept))
         for block in blocks:
             size = self.study.block_persons(block)
             end = at + 8 * len(KEPT) * size

@@ -8,7 +8,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from standfast.atlas.layout import LIBRARIES
+from standfast.atlas.writer import new_file, reserve
 from standfast.files import whole_file
 from standfast.parameters import PARAMETERS, STIFFNESS_UNIT
 from standfast.study.study import Study
@@ -30,7 +30,7 @@ def write_tables(study: Study, found: Iterable[Contour], stem: Path) -> list[Pat
         whole_file(table) as table_partial,
         whole_file(store) as store_partial,
         table_partial.open("w", encoding="utf-8", newline="") as text,
-        h5py.File(store_partial, "w", libver=LIBRARIES) as file,
+        new_file(store_partial) as file,
     ):
         writer = csv.writer(text, lineterminator="\n")
         units = {name: f" [{row.unit}]" for name, row in PARAMETERS.items() if not row.choices}
@@ -61,6 +61,7 @@ def _write_contour(group: h5py.Group, study: Study, contour: Contour) -> None:
     curves = {"closed_form": np.column_stack([contour.ankle, contour.hip])}
     if contour.lines:
         curves["contour"] = np.concatenate(contour.lines)
+    reserve(group.file, sum(points.nbytes for points in curves.values()))
     for name, points in curves.items():
         curve = group.create_dataset(name, data=points)
         curve.attrs["columns"] = ", ".join(PLANE_AXES)

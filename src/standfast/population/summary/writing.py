@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from standfast.atlas.layout import set_attributes, set_text
+from standfast.atlas.writer import reserve
 from standfast.parameters import JOINTS, PARAMETERS, STIFFNESS_UNIT
 from standfast.population.cohort.histograms import BMI_EDGES, HEIGHT_EDGES
 from standfast.population.people.study import PopulationStudy
@@ -19,6 +20,9 @@ from standfast.population.summary.file import FORMAT, FORMAT_VERSION
 from standfast.population.summary.summary import STANDING_SHARES, Summary
 from standfast.quantities import QUANTITIES, Quantity
 from standfast.version import __version__
+
+# More than all arrays take together.
+ARRAYS_BYTES = 2**20
 
 SAFETY_AXIS = MULTIPLE_AXIS = np.round(np.geomspace(0.1, 10.0, 401), 6)
 GROWTH_AXIS = np.round(np.geomspace(0.05, 20.0, 401), 6)
@@ -39,6 +43,7 @@ def write_summary(file: h5py.File, study: PopulationStudy, summary: Summary) -> 
         },
     )
     text = json.dumps(summary.to_dict(), ensure_ascii=False).encode()
+    reserve(file, len(text) + ARRAYS_BYTES)
     file["summary"] = np.array(text, dtype=f"S{len(text)}")
     set_text(file["summary"], "long_name", "all answers with their intervals, as JSON")
     _write_axes(file)

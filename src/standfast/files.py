@@ -98,6 +98,11 @@ def opened_plainly(path: Path) -> BinaryIO:
     return os.fdopen(descriptor, "rb")
 
 
+def for_spreadsheets(text: str) -> str:
+    """Return a text with an apostrophe before it if a spreadsheet would run it as a formula."""
+    return f"'{text}" if text.startswith(("=", "+", "-", "@", "\t", "\r")) else text
+
+
 def sync_file(path: Path) -> None:
     """Wait until the disk has taken a file."""
     with path.open("rb") as file:

@@ -172,6 +172,19 @@ def checked_number(name: str, value: Any, *, row: Parameter | None = None) -> fl
     return number
 
 
+def number_in(text: str) -> float:
+    """Read a number in ASCII digits; ``float`` also takes ``8_0`` and the digits of all scripts.
+
+    Raises
+    ------
+    ValueError
+        if it is none.
+    """
+    if "_" in text or not text.isascii():
+        raise ValueError(text)
+    return float(text)
+
+
 def _likely(row: Parameter, number: float) -> str:
     """Guess the slip of units behind a number out of range."""
     for factor, unit in ((100.0, "centimetres"), (1000.0, "millimetres")):

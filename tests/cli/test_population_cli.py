@@ -205,6 +205,18 @@ def test_assess_takes_what_is_not_measured_from_the_options(place):
     assert rows["B"]["stands"] in ("yes", "no")
 
 
+def test_no_id_is_a_formula_of_a_spreadsheet(place, capsys):
+    """Nor the name of a file among the rejected rows; options are numbers in plain digits."""
+    ids = ["=1+1", "+1", "-1", "@SUM(A1)", "plain"]
+    rows = "".join(f"{name},1.7,70\n" for name in ids)
+    (place / "=people.csv").write_text(f"id,height,mass\n{rows}bad,0,0\n")
+    assert main(["assess", "=people.csv", "-o", "out.csv"]) == 0
+    assert list(rows_of(place / "out.csv")) == ["'=1+1", "'+1", "'-1", "'@SUM(A1)", "plain"]
+    assert "\n'=people.csv,7," in (place / "out-rejected.csv").read_text()
+    assert main(["assess", "=people.csv", "--hip", "7_00"]) == 2
+    assert "--hip = '7_00' is text; give a number" in capsys.readouterr().err
+
+
 def test_what_assess_writes_can_be_read_again(place):
     assert main(["assess", "people.csv"]) == 0
     assert main(["assess", "people-assessed.csv", "-o", "again.csv"]) == 0

@@ -220,12 +220,56 @@ def test_one_bad_row_among_thousands_is_left_out_and_told(tmp_path):
         ("height,mass,weight\n1.7,70,-1\n", "line 2: weight = -1 is outside the allowed range"),
         ("height,mass,weight\n1.7,70,0\n", "the weights of all usable rows are 0"),
         ("height,height_cm,mass\n1,2,3\n", "the columns 'height' and 'height_cm' both hold height"),
+        ("height,mass\n1.7,8_0\n", "line 2: mass = '8_0' is text"),
+        ("height,mass\n1.7,８０\n", "line 2: mass = '８０' is text"),
+        ("height_cm,mass\n17_0,70\n", "line 2: height = '17_0' is text"),
+        ("height,mass,sex\n1.7,70,１\n", "line 2: sex = '１' is not known"),
+        ("height,mass" + ",x" * 5000, "people.csv has 5,002 columns; at most 5,000 are read"),
+        ("height,mass\n1.7,70\0\n", "if it is one in UTF-16, save it as UTF-8"),
     ],
 )
 def test_a_wrong_file_gets_its_sentence(tmp_path, text, sentence):
     with pytest.raises(sf.InputError) as caught:
         read(tmp_path, text)
     assert sentence in str(caught.value)
+
+
+ROWS = ["id,height,mass,note", "A,1.7,70,x", *["B,1.8,80,y"] * 97, "C,1.6,60,z"]
+
+
+@pytest.mark.parametrize(
+    ("line", "row", "sentence"),
+    [
+        (2, 'B,1.8,80,"y', "line 3: a quotation mark opens in this row and is not closed"),
+        (2, '"B,1.8,80,y', "line 3: a quotation mark opens in this row and is not closed"),
+        (99, 'C,1.6,60,"', "line 100: a quotation mark opens in this row and is not closed"),
+        (0, 'id,height,"mass,note', "line 1: a quotation mark opens in this row and is not"),
+    ],
+)
+@pytest.mark.parametrize("end", ["\n", "\r\n", ""])
+def test_a_quotation_mark_that_is_not_closed_swallows_no_rows(tmp_path, line, row, sentence, end):
+    rows = ROWS.copy()
+    rows[line] = row
+    with pytest.raises(sf.InputError) as caught:
+        read(tmp_path, (end or "\n").join(rows) + end)
+    assert sentence in str(caught.value)
+
+
+def test_a_quotation_mark_that_another_closes_swallows_no_rows(tmp_path):
+    rows = ROWS.copy()
+    rows[2], rows[50] = '"B,1.8,80,y', 'B",1.8,80,y'
+    with pytest.raises(sf.InputError, match=r"line 3: .* in this row and closes on line 51 only"):
+        read(tmp_path, "\n".join(rows))
+    # longer than the module reads at once
+    rows[50] = "x" * 200_000
+    with pytest.raises(sf.InputError, match=r"line 3: .* and is not closed"):
+        read(tmp_path, "\n".join(rows))
+
+
+def test_notes_of_several_lines_are_no_fault(tmp_path):
+    rows = ROWS.copy()
+    rows[2] = 'B,1.8,80,"tall\nand ""kind"", says the file"'
+    assert len(read(tmp_path, "\n".join(rows))) == 99
 
 
 def test_files_that_are_not_there_or_cannot_be_joined(tmp_path):

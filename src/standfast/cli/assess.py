@@ -13,7 +13,14 @@ import numpy as np
 from standfast.cli.parsing import add_command
 from standfast.cli.rejected import print_rejected, write_rejected
 from standfast.errors import InputError, nearest_name
-from standfast.parameters import BODY_MODELS, JOINTS, PARAMETERS, STANDARD_GRAVITY, checked_number
+from standfast.parameters import (
+    BODY_MODELS,
+    JOINTS,
+    PARAMETERS,
+    STANDARD_GRAVITY,
+    checked_number,
+    number_in,
+)
 
 if TYPE_CHECKING:
     from standfast.population.assess import Assessment
@@ -134,5 +141,5 @@ def _number(option: str, text: str, parameter: str) -> float:
     """Read a number; what is none goes to the check as the words that they are."""
     number: float | str = text
     with contextlib.suppress(ValueError):
-        number = text if math.isnan(float(text)) else float(text)
+        number = text if math.isnan(number_in(text)) else number_in(text)
     return checked_number(option, number, row=PARAMETERS[parameter])

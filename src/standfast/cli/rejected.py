@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from standfast.files import whole_file
+from standfast.files import for_spreadsheets, whole_file
 
 # Rows that are printed; a file beside the result has all.
 MOST_PRINTED = 5
@@ -31,5 +31,5 @@ def write_rejected(rejected: Sequence[dict[str, Any]], output: Path) -> list[Pat
     with whole_file(path) as partial, partial.open("w", encoding="utf-8", newline="") as file:
         rows = csv.DictWriter(file, ("file", "line", "reason"), lineterminator="\n")
         rows.writeheader()
-        rows.writerows(rejected)
+        rows.writerows({**row, "file": for_spreadsheets(row["file"])} for row in rejected)
     return [path]

@@ -11,7 +11,7 @@ import numpy as np
 
 from standfast.anthropometry.body import REFERENCE_PEOPLE, body_of
 from standfast.engine.mapping import map_over_batch
-from standfast.files import whole_file
+from standfast.files import for_spreadsheets, whole_file
 from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import Scalar
@@ -140,5 +140,5 @@ def _of_one(setting: tuple[str, float], given: Mapping[str, Scalar]) -> dict[str
 def _entry(value: Any) -> str:
     """Return a number with the digits that mean something; nothing for what is not known."""
     if isinstance(value, str):
-        return value
+        return for_spreadsheets(value)
     return "" if math.isnan(value) else f"{value:.6g}"

@@ -1,17 +1,19 @@
 """CSV files of people: columns found by their names, units made SI, every line kept apart."""
 
+import contextlib
 import csv
 import difflib
 import hashlib
 import io
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import TypeAlias
 
 from standfast.errors import InputError
-from standfast.parameters import STIFFNESSES
+from standfast.parameters import STIFFNESSES, number_in
 
 # What a column can hold, with how many of its units are one of SI, and by which names it is known:
 # lower case, every bracket, blank and point made "_". ANSUR II gives stature in mm and "weightkg"
@@ -33,6 +35,12 @@ COLUMNS = {name: holds for holds, names in NAMES.items() for name in names.split
 
 # By what it holds, the place of a column in each row, and how many of its units are one of SI.
 Columns: TypeAlias = dict[str, tuple[int, float]]
+
+
+MOST_COLUMNS = 5000
+
+# Comes after the last line, alone in its row unless a quotation mark is open.
+END = "\0"
 
 
 def digest(paths: Sequence[Path]) -> str:
@@ -76,26 +84,47 @@ def read_table(path: Path) -> Table:
         raise InputError(f"{path} is empty; give a header line and one line a person")
     header_line = text.lstrip().splitlines()[0]
     separator = max(",;\t", key=header_line.count)
-    lines = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
-    try:
-        header = next(row for row in lines if row)
-        columns = _recognised(path, header)
-        rows = []
-        for row in lines:
-            if not any(entry.strip() for entry in row):
-                continue
-            entries = {}
-            for field, (place, factor) in columns.items():
-                entry = row[place].strip() if place < len(row) else ""
-                if separator == ";" and field not in ("id", "sex"):
-                    entry = entry.replace(",", ".")
-                entries[field] = entry if factor == 1.0 else _in_si(entry, factor)
-            rows.append((lines.line_num, entries))
-    except csv.Error as error:
-        raise InputError(f"{path} is not a CSV file: line {lines.line_num}, {error}") from None
+    lines = _rows_of(path, text, separator)
+    _, _, header = next(lines, (0, 0, []))
+    if len(header) > MOST_COLUMNS:
+        raise InputError(f"{path} has {len(header):,} columns; at most {MOST_COLUMNS:,} are read")
+    columns = _recognised(path, header)
+    rows = []
+    for first, last, row in lines:
+        entries = {}
+        for field, (place, factor) in columns.items():
+            entry = row[place].strip() if place < len(row) else ""
+            if "\n" in entry or "\r" in entry:
+                raise InputError(
+                    f"{path}, line {first}: a quotation mark opens in this row and closes on line "
+                    f"{last} only; close or remove it"
+                )
+            if separator == ";" and field not in ("id", "sex"):
+                entry = entry.replace(",", ".")
+            entries[field] = entry if factor == 1.0 else _in_si(entry, factor)
+        rows.append((last, entries))
     if not rows:
         raise InputError(f"{path} has a header and no rows; give one line a person")
     return Table(path.name, tuple(header), columns, rows, _misspelt(header, columns))
+
+
+def _rows_of(path: Path, text: str, separator: str) -> Iterator[tuple[int, int, list[str]]]:
+    """Go through the rows that are not empty, each with its first and its last line."""
+    if END in text:
+        raise InputError(f"{path} is not a CSV file; if it is one in UTF-16, save it as UTF-8")
+    lines = csv.reader(chain(io.StringIO(text, newline=""), [END]), delimiter=separator)
+    first = 1
+    # the module ends a quotation at the end of the file, or at its limit, without a word of it
+    with contextlib.suppress(csv.Error):
+        for row in lines:
+            if row == [END]:
+                return
+            if row and END in row[-1]:
+                break
+            if any(entry.strip() for entry in row):
+                yield first, lines.line_num, row
+            first = lines.line_num + 1
+    raise InputError(f"{path}, line {first}: a quotation mark opens in this row and is not closed")
 
 
 def _recognised(path: Path, header: Sequence[str]) -> Columns:
@@ -133,7 +162,7 @@ def _normal(name: str) -> str:
 def _in_si(text: str, factor: float) -> str:
     """Turn a number into SI, and leave what is none to be refused with its own words."""
     try:
-        return repr(float(text) / factor)
+        return repr(number_in(text) / factor)
     except ValueError:
         return text
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from standfast.errors import InputError
-from standfast.parameters import PARAMETERS, STIFFNESSES, Parameter, checked_number
+from standfast.parameters import PARAMETERS, STIFFNESSES, Parameter, checked_number, number_in
 from standfast.population.people.csv_table import Table, hint, read_table
 
 SEXES = ("male", "female", "unknown")
@@ -201,7 +201,7 @@ def _check_columns(
 
 def _number(entry: str, name: str, row: Parameter) -> float:
     try:
-        number: float | str = float(entry)
+        number: float | str = number_in(entry)
     except ValueError:
         number = entry
     return checked_number(name, number, row=row)
@@ -245,7 +245,7 @@ def _sex(entry: str) -> str:
     if word in SEX_WORDS:
         return SEX_WORDS[word]
     try:
-        return NHANES_SEX[float(word)]
+        return NHANES_SEX[number_in(word)]
     except (ValueError, KeyError):
         raise InputError(
             f"sex = {entry!r} is not known; write male or female, or leave it empty"

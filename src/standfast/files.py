@@ -43,8 +43,9 @@ def whole_file(path: Path, *, synced: bool = False) -> Iterator[Path]:
     Raises
     ------
     OSError
-        if the disk does not take it; it names ``path``.
+        if the disk does not take it, or anything but a plain file is there; it names ``path``.
     """
+    _require_plain(path)
     partial = partial_name(path)
     _remove_orphans(path)
     try:
@@ -61,6 +62,18 @@ def whole_file(path: Path, *, synced: bool = False) -> Iterator[Path]:
             partial.unlink(missing_ok=True)
     if synced:
         sync_folder(path.parent)
+
+
+def _require_plain(path: Path) -> None:
+    """Refuse to replace a folder, a pipe, a device or a link to nothing."""
+    try:
+        mode = path.stat().st_mode
+    except FileNotFoundError:
+        if path.is_symlink():
+            raise OSError(errno.ENOENT, "a link to nothing", str(path)) from None
+        return
+    if not stat.S_ISREG(mode):
+        raise OSError(errno.EINVAL, "not a plain file", str(path))
 
 
 def _remove_orphans(path: Path) -> None:

@@ -231,6 +231,55 @@ def refused(capsys, arguments, *, code=2):
     return captured.err
 
 
+@pytest.mark.parametrize(
+    ("output", "fault"),
+    [
+        ("file", "not a folder (file)"), ("file/deeper", "Not a directory (file/deeper)"),
+        ("nothing", "not a folder (nothing)"), ("pipe", "not a folder (pipe)"),
+        ("/dev/null", "not a folder (/dev/null)"), ("closed", "Permission denied (closed/"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("command", [["plot", "a.h5"], ["thresholds", "a.h5"], ["reproduce"]])
+def test_a_folder_that_cannot_be_is_one_sentence(place, capsys, command, output, fault):
+    if output == "closed" and os.geteuid() == 0:
+        pytest.skip("this user may write everywhere")
+    main(["sweep", "study.toml", "-o", "a.h5"])
+    before = put_in_the_way(place)
+    capsys.readouterr()
+    assert fault in refused(capsys, [*command, "-o", output], code=1)
+    assert {path: path.lstat()[:3] for path in place.rglob("*")} == before
+
+
+@pytest.mark.parametrize(
+    ("output", "fault"),
+    [
+        (".", "not a plain file (.)"), ("", "not a plain file (.)"),
+        ("pipe", "not a plain file (pipe)"), ("/dev/null", "not a plain file (/dev/null)"),
+        ("nothing", "a link to nothing (nothing)"), ("circle", "(circle)"),
+        ("no/where.csv", "No such file or directory (no/where.csv)"),
+        ("file/deeper", "Not a directory (file/deeper)"),
+        ("closed/a.csv", "Permission denied (closed/a.csv)"),
+    ],
+)  # fmt: skip
+def test_only_a_plain_file_is_replaced(place, capsys, output, fault):
+    if output == "closed/a.csv" and os.geteuid() == 0:
+        pytest.skip("this user may write everywhere")
+    (place / "people.csv").write_text("height,mass\n1.7,70\n")
+    before = put_in_the_way(place)
+    assert fault in refused(capsys, ["assess", "people.csv", "-o", output], code=1)
+    assert {path: path.lstat()[:3] for path in place.rglob("*")} == before
+
+
+def put_in_the_way(place):
+    """Make what cannot be an output; return what is there now."""
+    (place / "file").write_text("mine")
+    (place / "closed").mkdir(mode=0o500)
+    (place / "nothing").symlink_to("no/where")
+    (place / "circle").symlink_to("circle")
+    os.mkfifo(place / "pipe")
+    return {path: path.lstat()[:3] for path in place.rglob("*")}
+
+
 def test_wrong_files_get_one_sentence(place, capsys):
     (place / "words.h5").write_text("words")
     main(["sweep", "study.toml", "-o", "a.h5"])

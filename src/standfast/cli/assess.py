@@ -4,6 +4,7 @@ import argparse
 import contextlib
 import json
 import math
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -74,7 +75,7 @@ def _assess(options: argparse.Namespace) -> None:
         if (text := getattr(options, joint)) is not None
     }
     output: Path = options.output or Path(f"{options.people[0].stem}-assessed.csv")
-    if output.resolve() in [path.resolve() for path in options.people]:
+    if os.path.realpath(output) in map(os.path.realpath, options.people):
         raise InputError(f"{output} is the file of people itself; choose another output with -o")
     people = read_people(options.people, strict=options.strict)
     found = assess(people, body_model=options.body_model, gravity=gravity, otherwise=otherwise)

@@ -1,6 +1,7 @@
 """What all commands share: how they are declared, and how their words are read."""
 
 import argparse
+import errno
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -52,5 +53,8 @@ def number_from_1(text: str) -> int:
 
 def made_folder(path: Path) -> Path:
     """Return a folder for results, made if need be."""
-    path.mkdir(parents=True, exist_ok=True)
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except FileExistsError as error:
+        raise OSError(errno.ENOTDIR, "not a folder", error.filename) from None
     return path

@@ -6,10 +6,12 @@ import io
 import os
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
 from standfast.cli import assess, info, plot, population, reproduce, sweep, thresholds
 from standfast.cli.compile_cache import compiled_programs_kept
 from standfast.cli.parsing import StoppedError
+from standfast.cli.printing import visible, visible_output
 from standfast.errors import InputError
 from standfast.version import __version__
 
@@ -40,8 +42,15 @@ def run() -> None:
     os._exit(code)
 
 
+class _Parser(argparse.ArgumentParser):
+    """A parser that prints none of the control characters of what it was given."""
+
+    def error(self, message: str) -> NoReturn:
+        super().error(visible(message))
+
+
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="standfast",
         description="How stiff must ankle, knee and hip be for a person to stand?",
         epilog="example: standfast reproduce",
@@ -54,6 +63,7 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+@visible_output()
 def _exit_code(options: argparse.Namespace) -> int:
     """Run the command that was asked for; say in one sentence what went wrong."""
     try:
@@ -75,5 +85,6 @@ def _exit_code(options: argparse.Namespace) -> int:
 
 
 def _complain(sentence: str, code: int) -> int:
-    print(f"standfast: {sentence}", file=sys.stderr)
+    line = sentence.replace("\n", "\\n")  # of the name of a file
+    print(f"standfast: {line}", file=sys.stderr)
     return code

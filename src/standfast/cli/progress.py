@@ -77,7 +77,7 @@ def _bar(what: str) -> Iterator[Display]:
 
     texts = TextColumn("{task.percentage:3.0f} %"), TextColumn("{task.fields[rate]}")
     columns = (BarColumn(), *texts, TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    with Progress(*columns, console=Console(file=sys.__stderr__), transient=True) as bar:
         task = bar.add_task("", total=None, rate="compiling")
 
         def show(done: int, total: int, seconds: float) -> None:

@@ -49,7 +49,7 @@ DOORS = {"standfast", "standfast.__main__"}
 MOST_LINES, LONGEST_FUNCTION = 300, 60
 USES_HDF5 = {
     "standfast.atlas.layout",
-    "standfast.atlas.opening",
+    "standfast.atlas.checking",
     "standfast.atlas.reader",
     "standfast.atlas.writer",
     "standfast.population.simulation",

@@ -32,16 +32,29 @@ def within_box(index: Any, count: int) -> tuple[Any, ...]:
     )
 
 
+def listed_axis(index: Any, count: int) -> tuple[list[Any], int]:
+    """Return one item for every axis, and which axis has the one list or mask among them."""
+    items = _spread(index, count)
+    others = [n for n, item in enumerate(items) if not _is_plain(item)]
+    if len(items) != count or len(others) != 1 or np.ndim(items[others[0]]) != 1:
+        raise IndexError("give integers, slices, and at most one list; or a mask of all values")
+    return list(items), others[0]
+
+
 def _items(index: Any, count: int) -> tuple[Any, ...] | None:
     """Return one slice or integer for every axis; None for any other kind of index."""
+    items = _spread(index, count)
+    return items if all(map(_is_plain, items)) and len(items) == count else None
+
+
+def _spread(index: Any, count: int) -> tuple[Any, ...]:
+    """Return the items of an index, with a slice for every axis that it leaves out."""
     items = index if isinstance(index, tuple) else (index,)
-    if sum(item is Ellipsis for item in items) > 1:
-        return None
     at = next((n for n, item in enumerate(items) if item is Ellipsis), None)
     if at is not None:
         items = items[:at] + (slice(None),) * (count - len(items) + 1) + items[at + 1 :]
-    items = items + (slice(None),) * (count - len(items))
-    plain = all(
-        isinstance(item, slice | int | np.integer) and not isinstance(item, bool) for item in items
-    )
-    return items if plain and len(items) == count else None
+    return items + (slice(None),) * (count - len(items))
+
+
+def _is_plain(item: Any) -> bool:
+    return isinstance(item, slice | int | np.integer) and not isinstance(item, bool)

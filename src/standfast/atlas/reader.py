@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -13,11 +12,10 @@ from typing import Any, Self
 import h5py
 import numpy as np
 
-from standfast.atlas.encoding import constant_in, decoded
-from standfast.atlas.indexing import box_of, within_box
+from standfast.atlas.checking import hdf5_file, one_sentence, opened, read_box
+from standfast.atlas.indexing import box_of, listed_axis, within_box
 from standfast.errors import InputError, UnknownNameError, nearest_name
 from standfast.quantities import QUANTITIES, Quantity
-from standfast.run.machine import cores
 from standfast.study.grid import Group
 from standfast.study.study import Study
 
@@ -79,7 +77,7 @@ class Atlas(Mapping[str, "Variable"]):
         return len(self.study.quantities)
 
     def __enter__(self) -> Self:
-        self._open = h5py.File(self.path, "r")
+        self._open = hdf5_file(self.path)
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -149,14 +147,36 @@ class Variable:
 
     def __getitem__(self, index: Any) -> np.ndarray:
         """Read a piece: integers and slices are read chunk by chunk in threads."""
+        if not self.group.axes:
+            with self.atlas.file() as file:
+                value = np.asarray(file[self.quantity.name][()])
+            return np.asarray(value[index])
         box = box_of(index, self.shape)
+        if box is None:
+            return self._listed(index)
         with self.atlas.file() as file:
-            dataset = file[self.quantity.name]
-            if not self.group.axes or box is None:
-                return _read_as_h5py_does(dataset, index)
-            values = _read_box(dataset, self.group, self.dtype, box)
+            values = read_box(file[self.quantity.name], box)
         piece: np.ndarray = values[within_box(index, len(self.shape))]
         return piece
+
+    def _listed(self, index: Any) -> np.ndarray:
+        """Read by an index with a list in it, the rows of a chunk together; or by a mask of all."""
+        if isinstance(index, np.ndarray) and index.shape == self.shape and index.dtype == bool:
+            masked: np.ndarray = np.asarray(self)[index]
+            return masked
+        items, axis = listed_axis(index, len(self.shape))
+        listed = np.asarray(items[axis])
+        rows = np.arange(self.shape[axis])[listed if listed.size else listed.astype(int)]
+        unique, places = np.unique(rows, return_inverse=True)
+        kept = sum(isinstance(item, slice) for item in items[:axis])
+        pieces = []
+        for run in np.split(
+            unique, np.flatnonzero(np.diff(unique // self.group.chunk_shape[axis])) + 1
+        ):
+            low, high = (run[0], run[-1] + 1) if run.size else (0, 0)
+            items[axis] = slice(low, high)
+            pieces.append(self[tuple(items)].take(run - low, kept))
+        return np.concatenate(pieces, kept).take(places, kept)
 
     def planes(self, *, along: tuple[str, ...]) -> Iterator[tuple[dict[str, int], np.ndarray]]:
         """Go through the grid plane by plane: all of the axes ``along``, one place of the others.
@@ -184,67 +204,3 @@ class Variable:
                     at[number] = index
                 where = zip(others, corner, within, strict=True)
                 yield {self.dims[n]: low + index for n, low, index in where}, values[tuple(at)]
-
-
-@contextmanager
-def opened(path: Path) -> Iterator[h5py.File]:
-    """Open for reading; say in one sentence if the file is broken."""
-    with one_sentence(path), h5py.File(path, "r") as file:
-        yield file
-
-
-@contextmanager
-def one_sentence(path: Path) -> Iterator[None]:
-    """Turn what HDF5 says of a broken file into one sentence."""
-    try:
-        yield
-    except (InputError, IndexError):
-        raise
-    except Exception as error:  # HDF5 reports damage by almost any exception
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise InputError(f"{path} is damaged or cut short ({reason})") from None
-
-
-def _read_as_h5py_does(dataset: h5py.Dataset, index: Any) -> np.ndarray:
-    """Read by an index that is not made of integers and rising slices."""
-    try:
-        return np.asarray(dataset[index])
-    except (TypeError, ValueError) as error:
-        raise IndexError(str(error)) from None
-
-
-def _read_box(
-    dataset: h5py.Dataset, group: Group, dtype: np.dtype[Any], box: tuple[slice, ...]
-) -> np.ndarray:
-    """Read a box: raw chunks one after the other, inflated in threads."""
-    # zeroed memory is not touched before something else is written to it
-    values = np.zeros([part.stop - part.start for part in box], dtype)
-    sides = group.chunk_shape
-
-    def place(start: tuple[int, ...], raw: bytes) -> None:
-        alike = constant_in(raw, dtype, math.prod(sides))
-        if alike == 0:
-            return
-        chunk = decoded(raw, dtype, sides) if alike is None else np.broadcast_to(alike, sides)
-        source, target = [], []
-        for first, side, part in zip(start, sides, box, strict=True):
-            low, high = max(first, part.start), min(first + side, part.stop)
-            source.append(slice(low - first, high - first))
-            target.append(slice(low - part.start, high - part.start))
-        values[tuple(target)] = chunk[tuple(source)]
-
-    touched = (
-        range(part.start // side, -(-part.stop // side))
-        for part, side in zip(box, sides, strict=True)
-    )
-    workers = cores()
-    with ThreadPoolExecutor(workers) as pool:
-        waiting = []
-        for chunk in product(*touched):
-            start = tuple(i * side for i, side in zip(chunk, sides, strict=True))
-            waiting.append(pool.submit(place, start, dataset.id.read_direct_chunk(start)[1]))
-            if len(waiting) > 4 * workers:
-                waiting.pop(0).result()
-        for job in waiting:
-            job.result()
-    return values

@@ -15,7 +15,6 @@ from standfast.engine.memory import keep_freed_memory
 from standfast.errors import InputError
 from standfast.population.cohort.cohort import Cohort, cohort_of
 from standfast.population.cohort.counting import (
-    KEPT,
     Block,
     Counts,
     count_block,
@@ -23,6 +22,7 @@ from standfast.population.cohort.counting import (
     is_detailed,
 )
 from standfast.population.cohort.histograms import Histograms
+from standfast.population.cohort.persons import KEPT
 from standfast.population.people.records import People
 from standfast.population.people.study import PopulationStudy
 from standfast.population.summary.file import Population, open_population
@@ -168,8 +168,12 @@ class _Simulation:
                 file.write(together.to_bytes() + whole.kept)
         yield whole
 
-    def out_of_shard(self, path: Path, _shard: int) -> Iterator[Counts]:
+    def out_of_shard(self, path: Path, shard: int) -> Iterator[Counts]:
         content = path.read_bytes()[HEADER_BYTES:]
+        blocks = self.study.shards[shard][1] if self.study.keeps_persons else ()
+        kept = 8 * len(KEPT) * sum(map(self.study.block_persons, blocks))
+        if len(content) != self._empty().nbytes + kept:
+            raise InputError(f"{path} is not of its size; remove it, the same command then goes on")
         histograms = Histograms.from_bytes(content, *histogram_shapes(self.cohort))
         yield Counts(vars(histograms), content[histograms.nbytes :])
 

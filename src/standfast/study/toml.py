@@ -1,17 +1,20 @@
 """Reading a study file: what can be wrong with it before its first key is looked at."""
 
+import io
 import tomllib
 from pathlib import Path
 from typing import Any
 
 from standfast.errors import InputError
+from standfast.files import opened_plainly
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:
     """Return the content of a study file."""
     path = Path(path)
     try:
-        text = path.read_text(encoding="utf-8")
+        with io.TextIOWrapper(opened_plainly(path), encoding="utf-8") as file:
+            text = file.read()
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such study file") from None
     except IsADirectoryError:

@@ -7,18 +7,16 @@ from typing import NamedTuple
 import numpy as np
 
 from standfast.engine.mapping import map_over_batch
-from standfast.parameters import JOINTS, STIFFNESSES
+from standfast.parameters import JOINTS
 from standfast.population.cohort.cohort import Cohort
 from standfast.population.cohort.histograms import bin_of, bins_of, class_of, class_shape, counted
-from standfast.population.cohort.persons import growth, outcome
+from standfast.population.cohort.persons import KEPT, growth, outcome
 from standfast.population.people.study import PopulationStudy
 
 # Of so many persons the distributions are kept: more of them would add no digit that any model of
 # standing bears, and the rest are only asked whether they fall.
 DETAILED = 2**20
 MOST_FALLS = 8192  # of those in a block, at most so many have their growth rate computed
-# What is kept of every person when asked, beside whether they stand.
-KEPT = ("height", "mass", *STIFFNESSES, "safety_factor", "stable")
 
 
 class Block(NamedTuple):

@@ -13,7 +13,7 @@ from standfast.anthropometry.body import REFERENCE_PEOPLE, Body, body_of
 from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import Scalar, namespace
-from standfast.parameters import JOINTS
+from standfast.parameters import JOINTS, STIFFNESSES
 from standfast.population.people.builtin import PROPORTIONS, Subpopulation
 from standfast.population.people.distributions import Coordinate, StiffnessDistribution
 from standfast.stability.margins import safety_factor
@@ -23,6 +23,9 @@ from standfast.stability.springs import critical_stiffness, verdict
 # The sole and the ankle: what of stature lies below the ankle, in the body models' source
 # (Winter, ankle height 0.039 of stature).
 BELOW_ANKLE = 0.039
+
+# What is kept of every person when asked, beside whether they stand.
+KEPT = ("height", "mass", *STIFFNESSES, "safety_factor", "stable")
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from standfast.errors import InputError
+from standfast.files import opened_plainly
 from standfast.parameters import STIFFNESSES, number_in
 
 # What a column can hold, with how many of its units are one of SI, and by which names it is known:
@@ -62,7 +63,8 @@ class Table:
 
 def _bytes_of(path: Path) -> bytes:
     try:
-        return path.read_bytes()
+        with opened_plainly(path) as file:
+            return file.read()
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file of people") from None
     except IsADirectoryError:

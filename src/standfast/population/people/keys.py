@@ -62,12 +62,13 @@ def checked_population(given: Any, folder: Path) -> tuple[dict[str, Any], tuple[
     for key, (default, words) in CHOICES.items():
         checked[key] = checked_word(f"population.{key}", given.get(key, default), words)
     largest = LARGEST_SIZE if checked["method"] == "monte-carlo" else LARGEST_QUASI
-    checked["size"] = _whole("size", given.get("size", 1_000_000), 1, largest)
-    checked["seed"] = _whole("seed", given.get("seed", 0), 0, 2**63 - 1)
+    checked["size"] = whole_number("size", given.get("size", 1_000_000), 1, largest)
+    checked["seed"] = whole_number("seed", given.get("seed", 0), 0, 2**63 - 1)
     return checked, files
 
 
-def _whole(key: str, given: Any, lowest: int, highest: int) -> int:
+def whole_number(key: str, given: Any, lowest: int, highest: int) -> int:
+    """Check a whole number of the table of the population."""
     if isinstance(given, float) and given.is_integer():  # 1e6
         given = int(given)
     if isinstance(given, bool) or not isinstance(given, int) or not lowest <= given <= highest:

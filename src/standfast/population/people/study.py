@@ -19,7 +19,13 @@ from standfast.population.people.distributions import (
     checked_stiffness,
     measured_stiffnesses,
 )
-from standfast.population.people.keys import age_range, checked_population, subpopulations_of
+from standfast.population.people.keys import (
+    LARGEST_SIZE,
+    age_range,
+    checked_population,
+    subpopulations_of,
+    whole_number,
+)
 from standfast.population.people.records import People, read_people
 from standfast.population.people.sobol import LARGEST_BLOCK, REPLICATES
 from standfast.study.canonical import canonical_text, fingerprint_of, from_json, json_value
@@ -105,15 +111,23 @@ class PopulationStudy:
     @classmethod
     def from_canonical(cls, text: str) -> "PopulationStudy":
         """Read a study back from its canonical JSON, or refuse; its people are not looked for."""
+        study = cls({}, ())
         try:
-            content = json.loads(text)
-            keys = {key: set(content[key]) for key in ("population", "stiffness", "output")}
-            whole = keys["stiffness"] == {*JOINTS, "correlation"} and "size" in keys["population"]
-        except (ValueError, RecursionError, TypeError, KeyError):
-            whole = False
-        if not whole:
-            raise InputError("the study inside the file cannot be read")
-        return cls(content, ())
+            study = cls(json.loads(text), ())
+            study._check()
+        except Exception:  # whatever else may be in the place of a study
+            raise InputError("the study inside the file cannot be read") from None
+        return study
+
+    def _check(self) -> None:
+        """Fail if a study that was read back is not such as is written."""
+        whole_number("size", self.content["population"]["size"], 1, LARGEST_SIZE)
+        for name in ("title", "gravity", "seed", "method", "keeps_persons", "fingerprint"):
+            getattr(self, name)
+        for name in ("distributions", "correlation", "subpopulations", "shards"):
+            getattr(self, name)
+        if self.content["stiffness"].keys() != {*JOINTS, "correlation"}:
+            raise InputError("the study has other joints")
 
     @cached_property
     def canonical(self) -> str:

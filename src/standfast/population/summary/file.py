@@ -8,13 +8,16 @@ from typing import Any
 import h5py
 import numpy as np
 
+from standfast.atlas.checking import checked_dataset, opened, read_box
 from standfast.atlas.layout import get_text
-from standfast.atlas.reader import opened
 from standfast.errors import InputError
 from standfast.population.people.study import PopulationStudy
+from standfast.population.summary.answers import ANSWERS, fits
+from standfast.population.summary.arrays import ARRAYS, AXES, GROWTH, SHARES, arrays_of
 
 FORMAT = "standfast population"
 FORMAT_VERSION = 1
+ROUNDING = 1e-9  # by which a share may pass 0 or 1
 
 
 @dataclass(frozen=True)
@@ -28,32 +31,73 @@ class Population:
 
     def array(self, name: str) -> np.ndarray:
         """Read an array of the file by its name."""
-        with h5py.File(self.path, "r") as file:
+        with opened(self.path) as file:
             if name not in file:
                 raise InputError(f"{self.path} has no {name!r} (inside: {', '.join(file)})")
-            return np.asarray(file[name])
+            return _array(self.path, file, self.study, name)
 
 
 def is_population(path: Path) -> bool:
     """Return whether a file says that it is a population; what is wrong with it is not asked."""
     try:
-        with h5py.File(path, "r") as file:
+        with opened(path) as file:
             return get_text(file, "format") == FORMAT
-    except OSError:
+    except InputError:
         return False
 
 
 def open_population(path: str | Path) -> Population:
-    """Open the file of a simulated population and check that it is one."""
+    """Open the file of a simulated population; refuse what is none, or not as its study says."""
     path = Path(path)
-    if not path.exists():
-        raise InputError(f"{path}: there is no such file")
     with opened(path) as file:
         if get_text(file, "format") != FORMAT:
             raise InputError(f"{path} is HDF5, but not a population of standfast")
-        study = PopulationStudy.from_canonical(get_text(file, "study") or "")
+        number = file.attrs.get("format_version")
+        if number != FORMAT_VERSION:
+            raise InputError(
+                f"{path} has format version {number}; this standfast reads {FORMAT_VERSION}"
+            )
+        try:
+            study = PopulationStudy.from_canonical(get_text(file, "study") or "")
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from None
         if get_text(file, "study_sha256") != study.fingerprint:
             raise InputError(f"{path}: the study inside does not match its fingerprint")
-        summary = json.loads(bytes(file["summary"][()]))
+        for name in arrays_of(study):
+            if name in ARRAYS and (name != GROWTH or name in file):
+                _check_values(path, name, _array(path, file, study, name))
+            elif name not in ARRAYS:
+                _checked(path, file, study, name)
+        summary = _summary(path, bytes(_array(path, file, study, "summary")))
         version = get_text(file, "standfast_version") or "unknown"
     return Population(path, study, version, summary)
+
+
+def _checked(path: Path, file: h5py.File, study: PopulationStudy, name: str) -> h5py.Dataset:
+    """Return a dataset that is as the file's study says."""
+    known = arrays_of(study)
+    if name not in known:
+        raise InputError(f"{path}: {name!r} is none of the arrays that its study promises")
+    return checked_dataset(path, file, name, *known[name])
+
+
+def _array(path: Path, file: h5py.File, study: PopulationStudy, name: str) -> np.ndarray:
+    """Read an array whole, those of persons chunk by chunk."""
+    dataset = _checked(path, file, study, name)
+    whole = tuple(slice(0, length) for length in dataset.shape)
+    return read_box(dataset, whole) if dataset.chunks else np.asarray(dataset[()])
+
+
+def _check_values(path: Path, name: str, values: np.ndarray) -> None:
+    """Refuse an axis with other values, and shares that are none."""
+    axis = name in AXES and not np.array_equal(values, AXES[name])
+    if axis or (name in SHARES and ((values < -ROUNDING) | (values > 1.0 + ROUNDING)).any()):
+        raise InputError(f"{path} is damaged (values of {name!r} are none that it can have)")
+
+
+def _summary(path: Path, raw: bytes) -> dict[str, Any]:
+    """Read the answers; they are written one way alone, so whatever differs is damage."""
+    found: dict[str, Any] = json.loads(raw)
+    if not fits(found, ANSWERS) or json.dumps(found, ensure_ascii=False).encode() != raw:
+        raise InputError(f"{path} is damaged (its answers are not as they are written)")
+    return found

@@ -15,6 +15,7 @@ from standfast.population.cohort.histograms import BMI_EDGES, HEIGHT_EDGES, Hist
 from standfast.population.people.builtin import ANSUR, NHANES, SOURCES
 from standfast.population.people.records import SEXES
 from standfast.population.people.study import PopulationStudy
+from standfast.population.summary.arrays import STANDING_SHARES
 from standfast.population.summary.estimators import (
     CONFIDENCE,
     NORMAL_QUANTILE,
@@ -30,7 +31,6 @@ from standfast.population.summary.estimators import (
 # fine bins of the risk map fall on all of them.
 HEIGHT_CLASSES = (1.55, 1.65, 1.75, 1.85)
 BMI_CLASSES = (18.5, 25.0, 30.0, 35.0, 40.0)
-STANDING_SHARES = (0.5, 0.9, 0.95, 0.99)  # that are to stand, for which the stiffness is asked
 FEWEST_PEOPLE = 30  # fewer tell nothing of the population that they are a sample of
 SAME = 1e-12  # a relative variance that is rounding
 SHARES_TOLD = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)

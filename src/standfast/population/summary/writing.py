@@ -13,19 +13,16 @@ import numpy as np
 from standfast.atlas.layout import set_attributes, set_text
 from standfast.atlas.writer import reserve
 from standfast.parameters import JOINTS, PARAMETERS, STIFFNESS_UNIT
-from standfast.population.cohort.histograms import BMI_EDGES, HEIGHT_EDGES
 from standfast.population.people.study import PopulationStudy
+from standfast.population.summary.arrays import ARRAYS, AXES, GROWTH, STANDING_SHARES, kept_type
 from standfast.population.summary.estimators import Distribution
 from standfast.population.summary.file import FORMAT, FORMAT_VERSION
-from standfast.population.summary.summary import STANDING_SHARES, Summary
-from standfast.quantities import QUANTITIES, Quantity
+from standfast.population.summary.summary import Summary
+from standfast.quantities import QUANTITIES
 from standfast.version import __version__
 
 # More than all arrays take together.
 ARRAYS_BYTES = 2**20
-
-SAFETY_AXIS = MULTIPLE_AXIS = np.round(np.geomspace(0.1, 10.0, 401), 6)
-GROWTH_AXIS = np.round(np.geomspace(0.05, 20.0, 401), 6)
 
 
 def write_summary(file: h5py.File, study: PopulationStudy, summary: Summary) -> None:
@@ -56,18 +53,16 @@ def write_summary(file: h5py.File, study: PopulationStudy, summary: Summary) -> 
 
 def _write_axes(file: h5py.File) -> None:
     """Write the axes of all arrays as dimension scales."""
-    heights = 0.5 * (HEIGHT_EDGES[1:] + HEIGHT_EDGES[:-1])
-    bmis = 0.5 * (BMI_EDGES[1:] + BMI_EDGES[:-1])
-    axes = {
-        "height": (heights, PARAMETERS["height"].unit, "height"),
-        "bmi": (bmis, PARAMETERS["bmi"].unit, "body mass index"),
-        "safety_factor": (SAFETY_AXIS, "1", QUANTITIES["safety_factor"].meaning),
-        "multiple": (MULTIPLE_AXIS, "1", "all stiffnesses of the law times this"),
-        "standing_share": (np.array(STANDING_SHARES), "1", "share of the population that stands"),
-        "growth_rate": (GROWTH_AXIS, "1/s", "growth rate of falls"),
+    labels = {
+        "height": (PARAMETERS["height"].unit, "height"),
+        "bmi": (PARAMETERS["bmi"].unit, "body mass index"),
+        "safety_factor": ("1", QUANTITIES["safety_factor"].meaning),
+        "multiple": ("1", "all stiffnesses of the law times this"),
+        "standing_share": ("1", "share of the population that stands"),
+        "growth_rate": ("1/s", "growth rate of falls"),
     }
-    for name, (values, unit, meaning) in axes.items():
-        scale = file.create_dataset(name, data=values)
+    for name, (unit, meaning) in labels.items():
+        scale = file.create_dataset(name, data=AXES[name])
         set_attributes(scale, {"units": unit, "long_name": meaning})
         scale.make_scale(name)
 
@@ -78,24 +73,25 @@ def _write_risk_map(file: h5py.File, summary: Summary) -> None:
     persons = inner.sum(axis=2)
     with np.errstate(invalid="ignore"):
         risk = inner[..., 1] / persons
-    _array(file, "persons", persons, "persons simulated in the cell", "height", "bmi")
-    _array(file, "risk", risk, "fraction unstable in the cell", "height", "bmi")
+    _array(file, "persons", persons, "persons simulated in the cell")
+    _array(file, "risk", risk, "fraction unstable in the cell")
 
 
 def _write_curves(file: h5py.File, summary: Summary) -> None:
     """Write distribution functions: of the safety factor, of multiples, of growth rates."""
     safety, growth = summary.safety, summary.growth
     meaning = "share of persons whose safety factor is higher"
-    _array(file, "survival", 1.0 - safety.below(SAFETY_AXIS), meaning, "safety_factor")
-    curves = {joint: 1.0 - summary.multiple[joint].below(MULTIPLE_AXIS) for joint in JOINTS}
-    curves["all"] = safety.below(1.0 / MULTIPLE_AXIS)
+    _array(file, "survival", 1.0 - safety.below(AXES["safety_factor"]), meaning)
+    multiples = AXES["multiple"]
+    curves = {joint: 1.0 - summary.multiple[joint].below(multiples) for joint in JOINTS}
+    curves["all"] = safety.below(1.0 / multiples)
     for joint, curve in curves.items():
         what = "all joints'" if joint == "all" else f"the {joint}'s"
         meaning = f"fraction unstable with {what} stiffness multiplied"
-        _array(file, f"risk_by_{joint}_multiple", curve, meaning, "multiple")
+        _array(file, f"risk_by_{joint}_multiple", curve, meaning)
     if growth.size:
         meaning = "share of falls that grow more slowly"
-        _array(file, "growth_rate_below", growth.below(GROWTH_AXIS), meaning, "growth_rate")
+        _array(file, GROWTH, growth.below(AXES["growth_rate"]), meaning)
 
 
 def _write_required(file: h5py.File, joint: str, kind: str, of: Distribution, unit: str) -> None:
@@ -104,16 +100,13 @@ def _write_required(file: h5py.File, joint: str, kind: str, of: Distribution, un
     meaning = f"{joint} {kind} at which that share stands, the other joints as drawn"
     for suffix, field in (("", "value"), ("_lower", "low"), ("_upper", "high")):
         values = np.array([getattr(each, field) for each in found])
-        name = f"required_{joint}_{kind}{suffix}"
-        _array(file, name, values, meaning, "standing_share", unit=unit)
+        _array(file, f"required_{joint}_{kind}{suffix}", values, meaning, unit)
 
 
-def _array(
-    file: h5py.File, name: str, values: np.ndarray, meaning: str, *axes: str, unit: str = "1"
-) -> None:
+def _array(file: h5py.File, name: str, values: np.ndarray, meaning: str, unit: str = "1") -> None:
     dataset = file.create_dataset(name, data=values)
     set_attributes(dataset, {"units": unit, "long_name": meaning})
-    for number, axis in enumerate(axes):
+    for number, axis in enumerate(ARRAYS[name]):
         dataset.dims[number].attach_scale(file[axis])
 
 
@@ -121,8 +114,12 @@ def new_persons(file: h5py.File, size: int, names: Iterable[str]) -> None:
     """Create the datasets of what is kept of every person."""
     for name in names:
         row = QUANTITIES.get(name) or PARAMETERS[name]
-        kind = row.dtype if isinstance(row, Quantity) else "float64"
         dataset = file.create_dataset(
-            f"person_{name}", (size,), kind, chunks=True, compression="gzip", shuffle=True
+            f"person_{name}",
+            (size,),
+            kept_type(name),
+            chunks=True,
+            compression="gzip",
+            shuffle=True,
         )
         set_attributes(dataset, {"units": row.unit, "long_name": f"{row.meaning}, of each person"})

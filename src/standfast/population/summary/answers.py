@@ -1,0 +1,88 @@
+"""What the answers of a population look like, so that whoever prints or draws them may trust them.
+
+A pattern is a type; a list of patterns, one an item, or of one for any number of them; a tuple of
+alternatives; or a dictionary by key, with ``str`` for all keys that it does not name.
+"""
+
+import math
+from typing import Any
+
+from standfast.parameters import JOINTS
+from standfast.population.summary.arrays import STANDING_SHARES
+
+MOST_KEYS = 100
+LARGEST_INTEGER = 2**63
+LARGEST_INDEX = 1e6  # Sobol indices are about 0 to 1, and none is infinite
+
+INTERVAL = [float, float]
+MAYBE = (float, None)
+QUANTILE = {"value": MAYBE, "interval": [MAYBE, MAYBE]}
+QUANTILES = (None, {"0.05": QUANTILE, "0.5": QUANTILE, "0.95": QUANTILE, str: QUANTILE})
+STRATUM = {str: {"share": float, "unstable_fraction": float, "interval": INTERVAL}}
+MULTIPLE = {"multiple": MAYBE, "multiple_interval": (None, [MAYBE, MAYBE])}
+REQUIRED = {"stiffness": MAYBE, "stiffness_interval": [MAYBE, MAYBE], **MULTIPLE}
+INDEX = {"first": abs, "first_interval": [abs, abs], "total": abs, "total_interval": [abs, abs]}
+DRIVERS = ({"remark": str}, {str: INDEX})
+ANSWERS = {
+    "title": str,
+    "gravity": float,
+    "laws": {
+        **{joint: {"distribution": str, "relative_to": str, str: (float, str)} for joint in JOINTS},
+        "correlation": [[float]],
+    },
+    "unstable_fraction": float,
+    "unstable_fraction_interval": INTERVAL,
+    "confidence": float,
+    "size": int,
+    "seed": int,
+    "method": str,
+    "effective_sample_size": float,
+    "persons_with_details": int,
+    "people": (
+        {"source": str, "groups": [str]},
+        {
+            "source": str,
+            "used": int,
+            "effective_sample_size": float,
+            "survey_interval": (None, INTERVAL),
+            "not_selected": int,
+            "rejected": [{"file": str, "line": int, "reason": str}],
+            "remarks": [str],
+        },
+    ),
+    "strata": dict.fromkeys(("sex", "age", "bmi", "height"), STRATUM),
+    "safety_factor": QUANTILES,
+    "growth_rate_of_the_unstable": QUANTILES,
+    "single_joint_critical_stiffness": {
+        joint: {"mean": float, "mean_interval": INTERVAL, "sd": float} for joint in JOINTS
+    },
+    "required_stiffness": {
+        **{joint: {f"{share:g}": REQUIRED for share in STANDING_SHARES} for joint in JOINTS},
+        "all": {f"{share:g}": MULTIPLE for share in STANDING_SHARES},
+    },
+    "drivers": {"unstable": DRIVERS, "safety_factor": DRIVERS},
+}
+
+
+def fits(value: Any, pattern: Any) -> bool:
+    """Return whether a value read from JSON is as a pattern says; ``abs`` is a number of size."""
+    if isinstance(pattern, tuple):
+        return any(fits(value, each) for each in pattern)
+    if isinstance(pattern, dict):
+        rest = pattern.get(str, ())
+        return (
+            isinstance(value, dict)
+            and len(value) <= MOST_KEYS
+            and pattern.keys() - {str} <= value.keys()
+            and all(fits(item, pattern.get(key, rest)) for key, item in value.items())
+        )
+    if isinstance(pattern, list):
+        if not isinstance(value, list):
+            return False
+        each = pattern if len(pattern) > 1 else pattern * len(value)
+        return len(value) == len(each) and all(map(fits, value, each))
+    if pattern in (float, abs, int):
+        most = LARGEST_INDEX if pattern is abs else math.inf
+        real = pattern is not int and type(value) is float and not abs(value) > most
+        return real or (type(value) is int and abs(value) < LARGEST_INTEGER)
+    return value is None if pattern is None else isinstance(value, pattern)

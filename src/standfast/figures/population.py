@@ -127,7 +127,7 @@ def _drivers(ax: Axes, population: Population, output: str) -> None:
             xerr=[np.maximum(values - low, 0.0), np.maximum(high - values, 0.0)],
             error_kw={"elinewidth": 0.8, "ecolor": "black"},
         )
-    ax.set_yticks(places, list(indices))
+    ax.set_yticks(places, [name.replace("$", r"\$") for name in indices])
     ax.set_xlim(0.0, max(1.0, float(high.max())))  # those of the totals, drawn last
     ax.set_xlabel("Share of the variance (Sobol index)")
     ax.figure.legend(frameon=False, loc="outside lower center", ncols=2)

@@ -100,7 +100,7 @@ class Study:
         }
         values.check_complete(parameters)
         wanted = values.checked_quantities({"quantities": content["quantities"]})
-        study = cls(str(content["title"]), parameters, wanted)
+        study = cls(values.checked_title(content), parameters, wanted)
         study.check_size()
         return study
 

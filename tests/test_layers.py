@@ -53,7 +53,6 @@ USES_HDF5 = {
     "standfast.atlas.reader",
     "standfast.atlas.writer",
     "standfast.population.simulation",
-    "standfast.population.summary.file",
     "standfast.population.summary.writing",
     "standfast.thresholds.tables",
 }

@@ -10,6 +10,7 @@ from typing import NoReturn
 
 from standfast.cli import assess, info, plot, population, reproduce, sweep, thresholds
 from standfast.cli.compile_cache import compiled_programs_kept
+from standfast.cli.first_look import look_first
 from standfast.cli.parsing import StoppedError
 from standfast.cli.printing import visible, visible_output
 from standfast.errors import InputError
@@ -34,7 +35,7 @@ def run() -> None:
     alone = not any(vars(options).get(name) for name in ("executor", "workers", "scheduler"))
     kept = options.compiles and alone
     with compiled_programs_kept() if kept else contextlib.nullcontext():
-        code = _exit_code(options)
+        code = _exit_code(options, own_process=True)
     # Nothing is left to do but to take Python, JAX and matplotlib apart: a tenth of a second, in
     # which threads of an interrupted run could meet what is gone.
     with contextlib.suppress(OSError, ValueError):  # of a stream that is closed
@@ -64,9 +65,11 @@ def _parser() -> argparse.ArgumentParser:
 
 
 @visible_output()
-def _exit_code(options: argparse.Namespace) -> int:
+def _exit_code(options: argparse.Namespace, *, own_process: bool = False) -> int:
     """Run the command that was asked for; say in one sentence what went wrong."""
     try:
+        if own_process:  # without threads yet, so that it can be forked
+            look_first(options)
         options.run(options)
         print(end="", flush=True)  # while a closed pipe can still be told from a failure
     except InputError as error:

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
 from standfast.atlas.checking import checked_dataset, opened, read_box
@@ -34,7 +33,13 @@ class Population:
         with opened(self.path) as file:
             if name not in file:
                 raise InputError(f"{self.path} has no {name!r} (inside: {', '.join(file)})")
-            return _array(self.path, file, self.study, name)
+            known = arrays_of(self.study)
+            if name not in known:
+                raise InputError(f"{self.path}: {name!r} is no array that its study promises")
+            dataset = checked_dataset(self.path, file, name, *known[name])
+            if dataset.chunks:
+                return read_box(dataset, tuple(slice(0, length) for length in dataset.shape))
+            return np.asarray(dataset[()])
 
 
 def is_population(path: Path) -> bool:
@@ -63,29 +68,14 @@ def open_population(path: str | Path) -> Population:
             raise InputError(f"{path}: {error}") from None
         if get_text(file, "study_sha256") != study.fingerprint:
             raise InputError(f"{path}: the study inside does not match its fingerprint")
-        for name in arrays_of(study):
-            if name in ARRAYS and (name != GROWTH or name in file):
-                _check_values(path, name, _array(path, file, study, name))
-            elif name not in ARRAYS:
-                _checked(path, file, study, name)
-        summary = _summary(path, bytes(_array(path, file, study, "summary")))
+        for name, known in arrays_of(study).items():
+            if name != GROWTH or name in file:
+                dataset = checked_dataset(path, file, name, *known)
+                if name in ARRAYS:
+                    _check_values(path, name, dataset[()])
+        summary = _summary(path, bytes(file["summary"][()]))
         version = get_text(file, "standfast_version") or "unknown"
     return Population(path, study, version, summary)
-
-
-def _checked(path: Path, file: h5py.File, study: PopulationStudy, name: str) -> h5py.Dataset:
-    """Return a dataset that is as the file's study says."""
-    known = arrays_of(study)
-    if name not in known:
-        raise InputError(f"{path}: {name!r} is none of the arrays that its study promises")
-    return checked_dataset(path, file, name, *known[name])
-
-
-def _array(path: Path, file: h5py.File, study: PopulationStudy, name: str) -> np.ndarray:
-    """Read an array whole, those of persons chunk by chunk."""
-    dataset = _checked(path, file, study, name)
-    whole = tuple(slice(0, length) for length in dataset.shape)
-    return read_box(dataset, whole) if dataset.chunks else np.asarray(dataset[()])
 
 
 def _check_values(path: Path, name: str, values: np.ndarray) -> None:

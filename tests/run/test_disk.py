@@ -5,10 +5,13 @@ import shutil
 
 import pytest
 
+import populations
 import standfast as sf
 from standfast.atlas import writer
 from standfast.run import folder as run_folder
 from standfast.run.folder import parts_of
+from standfast.run.shards import new_shard
+from studies import GOOD
 
 
 def test_a_full_disk_is_one_error_and_can_be_resumed(study, whole, small_disk):
@@ -139,3 +142,19 @@ def test_a_finish_that_fails_leaves_the_shards_and_no_partial(study, whole, begu
     assert not list(parts_of(begun).glob(".*.partial"))
     sf.sweep(study, begun)
     assert begun.read_bytes() == whole[1]
+
+
+@pytest.mark.parametrize("kind", ["sweep", "population"])
+def test_a_shard_with_a_true_header_and_false_content_gets_a_sentence(tmp_path, kind):
+    """Only who means to deceive makes one: its checksum is right."""
+    target = tmp_path / "a.h5"
+    if kind == "sweep":
+        study, compute = sf.Study.from_dict(GOOD), sf.sweep
+    else:
+        study, compute = populations.of(populations.GOOD, size=1000), sf.simulate
+    compute(study, target, part=(1, 1))
+    with new_shard(parts_of(target), study, 0) as path:
+        path.write_bytes(bytes(5000))
+    with pytest.raises(sf.InputError, match=r"is damaged or cut short|is not of its size"):
+        compute(study, target)
+    assert not target.exists()

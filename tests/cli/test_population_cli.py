@@ -137,7 +137,7 @@ def test_a_population_is_not_an_atlas(place, capsys):
     assert "women.h5 is HDF5, but not an atlas of standfast" in capsys.readouterr().err
     (place / "women.h5").write_bytes(b"nothing")
     assert main(["population", "women.toml", "--no-figures"]) == 2
-    assert "women.h5 is damaged" in capsys.readouterr().err
+    assert "women.h5 is not an HDF5 file" in capsys.readouterr().err
 
 
 def rows_of(path):

@@ -166,11 +166,11 @@ class _Sweep:
         return atlas
 
     def log(self) -> dict[str, Any]:
-        computed_here = "_evaluate" in vars(self)
+        counted = "_evaluate" in vars(self)  # workers of an executor do not tell theirs
         return {
             "values": self.study.points,
-            "verdicts_settled_by_exact_arithmetic_in_this_process": (
-                self._evaluate.resolved_exactly if computed_here else 0
+            "verdicts_settled_by_exact_arithmetic": (
+                self._evaluate.resolved_exactly if counted else None
             ),
             "bytes_before_compression": self.study.raw_bytes,
         }

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import standfast as sf
+from standfast.mechanics.feedback import checked_damping, checked_feedback
 
 NOMINAL = sf.Body.edwards2007()
 STIFF = sf.Stiffness(950.0, 2000.0, 738.0)
@@ -97,6 +98,64 @@ WRONG = [
     (
         lambda: sf.is_stable(NOMINAL, (950, 2000, 738)),
         "stiffness = (950, 2000, 738) is not a Stiffness; write Stiffness(ankle=…, knee=…, hip=…)",
+    ),
+    (
+        lambda: sf.is_stable(NOMINAL, [[950, 30, 0], [30, 2000, 0], [0, 0, 738]]),
+        "stiffness is a matrix, not a Stiffness; write Stiffness(ankle=…, knee=…, hip=…, "
+        "ankle_knee=…, knee_hip=…, ankle_hip=…)",
+    ),
+    (
+        lambda: sf.is_stable(NOMINAL, np.array([[950, 30, 0], [0, 2000, 0], [0, 0, 738]])),
+        "stiffness = [[950, 30, 0], [0, 2000, 0], [0, 0, 738]] is not symmetric, and springs are, "
+        "because they store energy; write Stiffness(ankle=…, knee=…, hip=…, ankle_knee=…, "
+        "knee_hip=…, ankle_hip=…), and put what is not symmetric into Feedback(proportional=…)",
+    ),
+    (
+        lambda: sf.Stiffness(950, 2000, 738, knee_hip=float("inf")),
+        "knee_hip_stiffness = inf is outside the allowed range, -100000 to 100000 N·m/rad",
+    ),
+    (
+        lambda: sf.Feedback((900, 0)),
+        "proportional gains = (900, 0) are not three numbers or a 3 × 3 matrix; give ankle, knee, "
+        "hip, or three rows of three (row: moment, column: rotation)",
+    ),
+    (
+        lambda: sf.Feedback((900, 0, NAN)),
+        "hip_proportional_gain is NaN (not a number); give -100000 to 100000 N·m/rad",
+    ),
+    (
+        lambda: sf.Feedback((900, 0, 0), [[1, 2, "x"], [0, 0, 0], [0, 0, 0]]),
+        "ankle_hip_derivative_gain = 'x' is text; give a number, -100000 to 100000 N·m·s/rad",
+    ),
+    (
+        lambda: sf.Feedback((900, 0, 0), delay=100),
+        "feedback_delay = 100 is outside the allowed range, 0 to 10 s; "
+        "100 looks like milliseconds, write 0.1",
+    ),
+    (
+        lambda: sf.Feedback((900, 0, 0), delay=0.1)._replace(delay=-0.1),
+        "feedback_delay = -0.1 is outside the allowed range, 0 to 10 s; "
+        "feedback comes after what it senses, write 0.1",
+    ),
+    (
+        lambda: checked_feedback((900, 0, 0)),
+        "feedback = (900, 0, 0) is not a Feedback; "
+        "write Feedback(proportional=…, derivative=…, delay=…)",
+    ),
+    (
+        lambda: checked_damping((10, -1, 0)),
+        "knee_damping = -1 is outside the allowed range, 0 to 100000 N·m·s/rad",
+    ),
+    (
+        lambda: checked_damping([[1, 2, 0], [0, 1, 0], [0, 0, 1]]),
+        "damping = [[1.0, 2.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] is not symmetric; "
+        "give ankle, knee, hip, or a symmetric matrix "
+        "(what is not symmetric is a derivative gain of Feedback)",
+    ),
+    (
+        lambda: checked_damping([[1, 2, 0], [2, 1, 0], [0, 0, 1]]),
+        "damping = [[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 1.0]] puts energy in for some "
+        "motion; give a positive semidefinite matrix",
     ),
     (
         lambda: sf.safety_factor("edwards2007", STIFF),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from standfast.anthropometry.body import Body
 from standfast.errors import InputError
+from standfast.mechanics.feedback import Feedback
 from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import inertia_matrix, stiffness_matrix
 from standfast.mechanics.motion import joint_moments, kinetic_energy, potential_energy
@@ -41,6 +42,7 @@ __all__ = [
     "BODY_MODELS",
     "Atlas",
     "Body",
+    "Feedback",
     "InputError",
     "Modes",
     "PopulationStudy",

@@ -23,6 +23,9 @@ def nearest_name(given: object, names: Iterable[str]) -> str:
     names = list(names)
     if SYNONYMS.get(str(given)) in names:
         return f"; did you mean {SYNONYMS[str(given)]!r}?"
+    turned = "_".join(reversed(str(given).split("_")))  # knee_ankle for ankle_knee
+    if turned in names:
+        return f"; did you mean {turned!r}?"
     close = difflib.get_close_matches(str(given), names, n=1, cutoff=0.5)
     return f"; did you mean {close[0]!r}?" if close else ""
 

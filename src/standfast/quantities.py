@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from standfast.anthropometry.body import Body, body_of
 from standfast.mechanics.joints import Stiffness
 from standfast.numerics.arrays import Scalar, Vector
-from standfast.parameters import STIFFNESS_UNIT, STIFFNESSES, label
+from standfast.parameters import COUPLINGS, PARAMETERS, STIFFNESS_UNIT, STIFFNESSES, label
 from standfast.stability import fast, springs
 from standfast.stability.exact import SCALING_ROUNDING, exact_threshold
 from standfast.stability.margins import safety_factor, stability_determinant, stiffness_reserve
@@ -23,8 +23,8 @@ from standfast.stability.rounding import threshold_interval
 class Person(NamedTuple):
     """One person, as the functions of the table are given them.
 
-    ``given`` holds all parameters by name; of ``stiffness`` a joint on which a quantity does not
-    depend is None.
+    ``given`` holds all parameters by name, those that a study leaves out as plain numbers; of
+    ``stiffness`` a joint on which a quantity does not depend is None.
     """
 
     body: Body
@@ -35,7 +35,9 @@ class Person(NamedTuple):
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> "Person":
         """Make a person from parameters by name, with a reference person as ``body_model``."""
-        stiffness = Stiffness._make(given.get(name) for name in STIFFNESSES)
+        unwritten = {row.name: row.default for row in PARAMETERS.values() if row.unwritten}
+        given = {**unwritten, **given}
+        stiffness = Stiffness._make(given.get(name) for name in (*STIFFNESSES, *COUPLINGS))
         return cls(body_of(given), stiffness, given["gravity"], given)
 
 
@@ -60,8 +62,9 @@ class Quantity:
     ``reference`` finds it for one person, or something of which ``pick`` takes it; quantities of
     one ``reference`` share what it finds. ``fast`` is a fast way to what ``reference`` finds: it
     returns (found, uncertain), and what is uncertain is asked of the reference; always so with a
-    rigid joint. Quantities of one way share it. ``without`` are the parameters on which it does not
-    depend, ``flags`` the meanings of 0, 1 and so on of a quantity of whole numbers.
+    rigid joint. Quantities of one way share it. ``without`` are the parameters, and the sections of
+    parameters, on which it does not depend; ``flags`` the meanings of 0, 1 and so on of a quantity
+    of whole numbers.
     """
 
     name: str
@@ -80,6 +83,15 @@ class Quantity:
     def label(self) -> str:
         """Axis label of a figure: words, symbol and unit."""
         return label(self.name.replace("_", " "), self.symbol, self.unit)
+
+    def depends_on(self, parameter: str) -> bool:
+        """Return whether a parameter, by its name, can change it."""
+        section = PARAMETERS[parameter].section
+        return not {parameter, section, section.partition(".")[0]} & set(self.without)
+
+
+# What is not of springs and gravity, in sections of parameters.
+NERVES = ("damping", "feedback")
 
 
 def of_springs(function: Callable[[Body, Stiffness, Scalar], Any]) -> Callable[[Person], Any]:
@@ -100,7 +112,7 @@ def _threshold(joint: str, function: Callable[..., Scalar], *others: str) -> Qua
         STIFFNESS_UNIT,
         f"{joint} stiffness at which the person just stands, {' and '.join(others)} as given",
         found,
-        without=(f"{joint}_stiffness",),
+        without=(f"{joint}_stiffness", *NERVES),
     )
 
 
@@ -112,6 +124,7 @@ def _eigenvalue(number: int, mode: str) -> Quantity:
         f"eigenvalue of the {mode} mode",
         modes_of,
         lambda _, found: found.eigenvalues[number - 1],
+        without=NERVES,
         fast=eigenvalues_of,
     )
 
@@ -124,6 +137,7 @@ def _rotation(joint: str) -> Quantity:
         f"{joint} rotation per ankle rotation in the least stable mode",
         modes_of,
         lambda one, found: ratio_to_ankle(joint, one.stiffness, found),
+        without=NERVES,
     )
 
 
@@ -145,6 +159,7 @@ _TABLE = (
         "1",
         "verdict: the person stands",
         of_springs(springs.verdict),
+        without=NERVES,
         dtype="uint8",
         step=STANDING,
         flags=("unstable", "stable"),
@@ -155,6 +170,7 @@ _TABLE = (
         "(N·m/rad)³",
         "determinant of the stiffness matrix",
         of_springs(stability_determinant),
+        without=NERVES,
     ),
     _threshold("ankle", springs.critical_ankle_stiffness, "knee", "hip"),
     _threshold("knee", springs.critical_knee_stiffness, "ankle", "hip"),
@@ -165,6 +181,7 @@ _TABLE = (
         STIFFNESS_UNIT,
         "what every joint could lose at once before the person falls",
         of_springs(stiffness_reserve),
+        without=NERVES,
         fast=of_springs(fast.fast_reserve),
     ),
     Quantity(
@@ -173,6 +190,7 @@ _TABLE = (
         "1",
         "factor by which all stiffnesses could be divided and the person just stand",
         of_springs(safety_factor),
+        without=NERVES,
     ),
     _eigenvalue(1, "least stable"),
     _eigenvalue(2, "second"),
@@ -184,6 +202,7 @@ _TABLE = (
         "frequency of the least stable mode, negative where the person falls",
         modes_of,
         lambda _, found: frequency(found.eigenvalues[0]),
+        without=NERVES,
         fast=eigenvalues_of,
     ),
     Quantity(
@@ -193,6 +212,7 @@ _TABLE = (
         "growth rate of the fall, 0 where stable",
         modes_of,
         lambda _, found: growth_rate(found.eigenvalues[0]),
+        without=NERVES,
         fast=eigenvalues_of,
     ),
     _rotation("hip"),

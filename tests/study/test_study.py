@@ -12,7 +12,7 @@ import pytest
 import standfast as sf
 from standfast.quantities import QUANTITIES
 from standfast.study.values import axis_values
-from studies import GOOD, UNEQUAL, changed
+from studies import GOOD, UNEQUAL, changed, toml_of
 
 NAN, INF = math.nan, math.inf
 QUANTITY_NAMES = ", ".join(QUANTITIES)
@@ -23,12 +23,12 @@ WRONG = [
     (
         "gravty",
         9.8,
-        "study has no key 'gravty'; did you mean 'gravity'? (keys: title, gravity, body, stiffness, output)",
+        "study has no key 'gravty'; did you mean 'gravity'? (keys: title, gravity, body, stiffness, damping, feedback, output)",
     ),
     (
         "titel",
         "x",
-        "study has no key 'titel'; did you mean 'title'? (keys: title, gravity, body, stiffness, output)",
+        "study has no key 'titel'; did you mean 'title'? (keys: title, gravity, body, stiffness, damping, feedback, output)",
     ),
     ("title", 5, "title = 5 is not one line of text"),
     ("gravity", -9.8, "gravity = -9.8 is outside the allowed range, 0.001 to 1000 m/s²"),
@@ -94,7 +94,7 @@ WRONG = [
     (
         "stiffness.ankel",
         3,
-        "[stiffness] has no key 'ankel'; did you mean 'ankle'? (keys: ankle, knee, hip)",
+        "[stiffness] has no key 'ankel'; did you mean 'ankle'? (keys: ankle, knee, hip, ankle_knee, knee_hip, ankle_hip)",
     ),
     (
         "stiffness.ankle",
@@ -172,7 +172,71 @@ WRONG = [
         {"start": 1.0, "stop": 1.0000000000000002, "num": 50},
         "stiffness.ankle has 50 values between 1 and 1.0000000000000002, more than there are numbers; take fewer",
     ),
-    ("stiffness", [1], "[stiffness] = [1] is not a table of ankle, knee, hip"),
+    (
+        "stiffness",
+        [1],
+        "[stiffness] = [1] is not a table of ankle, knee, hip, ankle_knee, knee_hip, ankle_hip",
+    ),
+    (
+        "stiffness.knee_ankle",
+        30,
+        "[stiffness] has no key 'knee_ankle'; did you mean 'ankle_knee'? (keys: ankle, knee, hip, ankle_knee, knee_hip, ankle_hip)",
+    ),
+    (
+        "stiffness.knee_hip",
+        INF,
+        "stiffness.knee_hip = inf is outside the allowed range, -100000 to 100000 N·m/rad",
+    ),
+    (
+        "damping",
+        {"ankel": 3},
+        "[damping] has no key 'ankel'; did you mean 'ankle'? (keys: ankle, knee, hip)",
+    ),
+    (
+        "damping",
+        {"hip": -1},
+        "damping.hip = -1 is outside the allowed range, 0 to 100000 N·m·s/rad",
+    ),
+    (
+        "feedback",
+        {"delya": 0.1},
+        "[feedback] has no key 'delya'; did you mean 'delay'? (keys: delay, proportional, derivative)",
+    ),
+    (
+        "feedback",
+        {"delay": 100},
+        "feedback.delay = 100 is outside the allowed range, 0 to 10 s; 100 looks like milliseconds, write 0.1",
+    ),
+    (
+        "feedback",
+        {"delay": {"start": 0, "stop": 400, "num": 5}},
+        "feedback.delay.stop = 400 is outside the allowed range, 0 to 10 s; 400 looks like milliseconds, write 0.4",
+    ),
+    (
+        "feedback",
+        {"delay": -0.1},
+        "feedback.delay = -0.1 is outside the allowed range, 0 to 10 s; feedback comes after what it senses, write 0.1",
+    ),
+    (
+        "feedback",
+        {"delay": {"start": 0}},
+        "feedback.delay lacks stop; a range is { start = …, stop = …, num = … }",
+    ),
+    (
+        "feedback",
+        {"proportional": 900},
+        "[feedback.proportional] = 900 is not a table of ankle, ankle_knee, ankle_hip, knee_ankle, knee, knee_hip, hip_ankle, hip_knee, hip",
+    ),
+    (
+        "feedback",
+        {"derivative": {"ankle_hips": 1}},
+        "[feedback.derivative] has no key 'ankle_hips'; did you mean 'ankle_hip'? (keys: ankle, ankle_knee, ankle_hip, knee_ankle, knee, knee_hip, hip_ankle, hip_knee, hip)",
+    ),
+    (
+        "feedback",
+        {"proportional": {"hip_ankle": [1.0, NAN]}},
+        "feedback.proportional.hip_ankle[1] is NaN (not a number); give -100000 to 100000 N·m/rad",
+    ),
     ("output.quantities", [], "output.quantities is an empty list; give at least one quantity"),
     (
         "output.quantities",
@@ -276,7 +340,7 @@ JUNK = [
 def test_fuzzed_studies_are_read_or_refused_with_a_sentence():
     rng = random.Random(2007)  # noqa: S311 - a test's draws
     keys = [*GOOD, *(f"{t}.{k}" for t in ("body", "stiffness", "output") for k in GOOD[t])]
-    keys += ["body.bmi", "body.x", "y", "stiffness.coupling"]
+    keys += ["body.bmi", "body.x", "y", "stiffness.coupling", "stiffness.knee_hip", "feedback"]
     accepted = 0
     for _ in range(FUZZED):
         content = GOOD if rng.random() < 0.5 else UNEQUAL
@@ -349,6 +413,66 @@ def test_the_fingerprint_knows_every_key_and_their_order():
     ]
     prints = {sf.Study.from_dict(content).fingerprint for content in others}
     assert len(prints | {base}) == len(others) + 1
+
+
+# Studies written before there was coupling, damping or feedback, and populations.
+OLD_FINGERPRINTS = {
+    "GOOD": "7a38374eebf227b7a03f2ab3e66d6631d5bdecbfa895af553bc290dc4030a9d3",
+    "UNEQUAL": "8f21ea471bb31e4fc17d923b18c9d79657e9904cb13a0eb93bdfc94425c2cd2e",
+    "atlas": "9ecbcdc703be3753ea97b15d4946f056df4798373154b4797a55824b5f7818e8",
+    "billion": "cbe720dcf567545e067304abe3dcf460716935effc9b883d73f5951d766af836",
+    "body-size": "c899d125165ecc772d15035650de4980647bf833761d058a8ec174d3cd3ad25e",
+    "edwards2007": "14618936100080f614c88d4233222b1e78cbba04d72968ef557dcb5a4fdd8f1e",
+    "us-adults": "c5c9070f83f74a17994c855cfff045ba5745951a59898266d86b1981ad68e539",
+}
+
+
+@pytest.mark.parametrize("name", OLD_FINGERPRINTS)
+def test_a_study_that_names_nothing_new_keeps_its_fingerprint(name):
+    made = {"GOOD": GOOD, "UNEQUAL": UNEQUAL}
+    if name in made:
+        study = sf.Study.from_dict(made[name])
+    else:
+        kind = sf.PopulationStudy if name == "us-adults" else sf.Study
+        study = kind.from_toml(STUDIES / f"{name}.toml")
+    assert study.fingerprint == OLD_FINGERPRINTS[name]
+
+
+NERVES = {
+    "damping": {"ankle": 10, "hip": [5.0, 10.0]},
+    "feedback": {
+        "delay": {"start": 0, "stop": 0.4, "num": 5},
+        "proportional": {"ankle": {"start": 0, "stop": 2000, "num": 3}, "ankle_hip": -175},
+        "derivative": {"ankle": 185, "hip_ankle": [0.0, 20.0]},
+    },
+}
+
+
+def test_coupling_damping_and_feedback_are_parameters_like_any_other():
+    content = {**changed("stiffness.knee_hip", [-10.0, 0.0, 30.0]), **NERVES}
+    study = sf.Study.from_dict(content)
+    assert sf.Study.from_canonical(study.canonical) == study
+    assert list(study.axes) == [
+        "ankle_stiffness", "knee_hip_stiffness", "hip_damping", "feedback_delay",
+        "ankle_proportional_gain", "hip_ankle_derivative_gain",
+    ]  # fmt: skip
+    fixed = study.fixed
+    assert (fixed["ankle_damping"], fixed["ankle_hip_proportional_gain"]) == (10.0, -175.0)
+    assert study.axes_of("stiffness_reserve") == ("ankle_stiffness", "knee_hip_stiffness")
+    assert study.axes_of("critical_ankle_stiffness") == ("knee_hip_stiffness",)
+    for key in ("knee_hip_stiffness", "hip_damping", "feedback_delay"):
+        assert study.fingerprint != sf.Study.from_dict(GOOD).fingerprint
+        assert f"{key}: " in study.difference(sf.Study.from_dict(GOOD))
+
+
+def test_feedback_in_a_file(tmp_path):
+    path = tmp_path / "study.toml"
+    tables = "[feedback]\ndelay = 0.1\n[feedback.proportional]\nankle = 900\nankle_hip = 175\n"
+    path.write_text(toml_of(GOOD) + tables, encoding="utf-8")
+    fixed = sf.Study.from_toml(path).fixed
+    assert fixed["feedback_delay"] == 0.1
+    assert fixed["ankle_proportional_gain"] == 900.0
+    assert fixed["ankle_hip_proportional_gain"] == 175.0
 
 
 def test_python_values_and_toml_values_make_the_same_study():

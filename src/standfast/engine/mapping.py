@@ -76,15 +76,13 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
 class Inputs:
     """The parameters of a study as functions of a person take them: fixed, and along the axes.
 
-    ``plainly`` holds those that are fixed as the study says them.
+    ``plainly`` holds those that are fixed as the study says them. What may be left out and is, or
+    is given its default, is none of them: a program without it is simpler, and the same for all.
     """
 
     def __init__(self, study: Study) -> None:
         self.along = {name: _along(name, values) for name, values in study.axes.items()}
-        unwritten = {row.name: row.default for row in PARAMETERS.values() if row.unwritten}
-        self.plainly = {
-            k: v for k, v in {**unwritten, **study.fixed}.items() if k not in self.along
-        }
+        self.plainly = {name: v for name, v in study.fixed.items() if not _is_left_out(name, v)}
         self.fixed = {
             name: jax.tree.map(lambda leaf: leaf[0], _along(name, np.array([value])))
             for name, value in self.plainly.items()
@@ -96,6 +94,11 @@ class Inputs:
             name: jax.tree.map(lambda leaf, at=at: leaf[at], self.along[name])
             for name, at in places.items()
         }
+
+
+def _is_left_out(name: str, value: float | str) -> bool:
+    row = PARAMETERS[name]
+    return row.unwritten and value == row.default
 
 
 def _along(name: str, values: np.ndarray) -> Any:

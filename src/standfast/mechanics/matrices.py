@@ -49,7 +49,7 @@ def stiffness_matrix(body: Body, stiffness: Stiffness, gravity: Scalar = STANDAR
 def stiffness_rows(body: Body, stiffness: Stiffness, gravity: Scalar) -> Matrix:
     """Return C as rows."""
     (g1, g2, g3), _, _ = joint_gravity(body, gravity)
-    ankle, knee, hip = stiffness
+    ankle, knee, hip = stiffness.joints
     return (
         (ankle - g1, -g2, -g3),
         (-g2, knee - g2, -g3),
@@ -118,7 +118,7 @@ def second_variation(body: Body, stiffness: Stiffness, gravity: Scalar, rotation
     """
     xp = namespace(*body, *stiffness, gravity, *rotation)
     total = angle = (xp.asarray(0.0), xp.asarray(0.0))
-    for k, turn in zip(stiffness, rotation, strict=True):
+    for k, turn in zip(stiffness.joints, rotation, strict=True):
         flexible = xp.where(xp.isinf(k), 0.0, k)
         total = add(total, multiply(product(turn, turn), (flexible, 0.0)))
     for load, turn in zip(gravity_load_pairs(body, gravity), rotation, strict=True):

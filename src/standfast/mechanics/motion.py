@@ -39,7 +39,7 @@ def potential_energy(body: Body, stiffness: Stiffness, gravity: Scalar, rotation
     """
     checked_scalar("gravity", gravity)
     xp = namespace(*body, *stiffness, gravity, *rotation)
-    turned = zip(stiffness, rotation, strict=True)
+    turned = zip(stiffness.joints, rotation, strict=True)
     springs = sum(0.5 * _spring_moment(xp, k, angle) * angle for k, angle in turned)
     # 1 − cos φ as 2 sin²(φ/2), which keeps its digits at small angles
     segments = zip(gravity_loads(body, gravity), segment_angles(rotation), strict=True)
@@ -105,7 +105,9 @@ def joint_moments(
             for entry, other, rate, turn in zip(row, angles, rates, turning, strict=True)
         )
         on_segments.append(moment - load * xp.sin(angle))
-    springs = [_spring_moment(xp, k, angle) for k, angle in zip(stiffness, rotation, strict=True)]
+    springs = [
+        _spring_moment(xp, k, angle) for k, angle in zip(stiffness.joints, rotation, strict=True)
+    ]
     return xp.stack([springs[i] + sum(on_segments[i:]) for i in range(3)])
 
 

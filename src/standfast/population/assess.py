@@ -125,10 +125,10 @@ def _of_one(setting: tuple[str, float], given: Mapping[str, Scalar]) -> dict[str
     person = (body, stiffness, gravity)
     alone, _, _ = joint_gravity(body, gravity)
     of_modes = modes(*person)
-    thresholds = critical_stiffness(*person)._asdict()
+    thresholds = critical_stiffness(*person).joints
     return {
         **{f"{joint}_alone": load for joint, load in zip(JOINTS, alone, strict=True)},
-        **{f"critical_{joint}_stiffness": each for joint, each in thresholds.items()},
+        **{f"critical_{joint}_stiffness": k for joint, k in zip(JOINTS, thresholds, strict=True)},
         "stable": verdict(*person),
         "safety_factor": safety_factor(*person),
         "stiffness_reserve": stiffness_reserve(*person),

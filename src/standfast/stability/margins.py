@@ -32,7 +32,7 @@ def stability_determinant(
     xp = checked_person(body, stiffness, gravity)
     (c11, c12, c13), (_, c22, c23), (_, _, c33) = matrices.stiffness_rows(body, stiffness, gravity)
     # a rigid joint is taken out: its row and column are those of 1
-    no_ankle, no_knee, no_hip = (xp.isinf(k) for k in stiffness)
+    no_ankle, no_knee, no_hip = (xp.isinf(k) for k in stiffness.joints)
     c11 = xp.where(no_ankle, 1.0, c11)
     c22 = xp.where(no_knee, 1.0, c22)
     c33 = xp.where(no_hip, 1.0, c33)
@@ -55,7 +55,7 @@ def determinant_in_pairs(body: Body, stiffness: Stiffness, gravity: Scalar) -> S
     shank, thigh, g3 = matrices.gravity_load_pairs(body, gravity)
     g2 = add(thigh, g3)
     g1 = add(shank, g2)
-    joints = zip(stiffness, (g1, g2, g3), strict=True)
+    joints = zip(stiffness.joints, (g1, g2, g3), strict=True)
     c11, c22, c33 = (add((xp.asarray(k), 0.0), negate(g)) for k, g in joints)
     of_hip = add(multiply(c11, c22), negate(multiply(g2, g2)))
     rest = multiply(multiply(g3, g3), add(add(c11, c22), add(g2, g2)))
@@ -79,7 +79,9 @@ def stiffness_reserve(
     checked_person(body, stiffness, gravity)
     load = matrices.joint_gravity(body, gravity)
     shift = load[0][0] + load[1][1] + load[2][2]
-    softest = eigenvectors.spring_eigenvectors(stiffness, load, eigenvectors.IDENTITY, shift)[0]
+    softest = eigenvectors.spring_eigenvectors(
+        stiffness.joints, load, eigenvectors.IDENTITY, shift
+    )[0]
     lost = matrices.second_variation(body, stiffness, gravity, softest)
     quotient = lost / dot(softest, softest)
     return signed_by(verdict(body, stiffness, gravity), unless_all_rigid(stiffness, quotient))
@@ -104,7 +106,7 @@ def safety_factor(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_G
     shank, thigh, upper = matrices.gravity_loads(body, gravity)
     below = thigh + upper
     # a joint as good as free, below 1e-60 N·m/rad, would overflow the determinant
-    ankle, knee, hip = (1.0 / xp.maximum(xp.asarray(k), 1e-60) for k in stiffness)
+    ankle, knee, hip = (1.0 / xp.maximum(xp.asarray(k), 1e-60) for k in stiffness.joints)
     trace = (shank + below) * ankle + below * knee + upper * hip
     minors = ankle * (shank * below * knee + (shank + thigh) * upper * hip)
     minors = minors + thigh * upper * knee * hip
@@ -131,5 +133,5 @@ def signed_by(stable: Scalar, value: Scalar) -> Scalar:
 def unless_all_rigid(stiffness: Stiffness, value: Scalar) -> Scalar:
     """Return the value, or infinity if all three joints are rigid."""
     xp = namespace(*stiffness, value)
-    ankle, knee, hip = (xp.isinf(k) for k in stiffness)
+    ankle, knee, hip = (xp.isinf(k) for k in stiffness.joints)
     return xp.where(ankle & knee & hip, xp.inf, value)

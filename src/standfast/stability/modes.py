@@ -61,9 +61,9 @@ def modes(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY) 
     inverse = eigenvectors.inverse_of_cholesky(inertia)
     # trace(A⁻¹G) bounds the fastest fall of a person without any stiffness
     shift = sum(dot(row, matvec(load, row)) for row in inverse)
-    vectors = eigenvectors.spring_eigenvectors(stiffness, load, inertia, shift)
+    vectors = eigenvectors.spring_eigenvectors(stiffness.joints, load, inertia, shift)
 
-    rigid = sum(xp.where(xp.isinf(k), 1, 0) for k in stiffness)
+    rigid = sum(xp.where(xp.isinf(k), 1, 0) for k in stiffness.joints)
     values, shapes = [], []
     for number, vector in enumerate(vectors):
         finite = rigid + number < 3

@@ -89,7 +89,7 @@ def verdict_is_certain(
     checked_person(body, stiffness, gravity)
     loads = carried_loads(body, stiffness, gravity)
     bounds = load_rounding(body, stiffness, gravity)
-    for joint, load, bound in zip(stiffness[::-1], loads[::-1], bounds[::-1], strict=True):
+    for joint, load, bound in zip(stiffness.joints[::-1], loads[::-1], bounds[::-1], strict=True):
         if np.isfinite(joint) and not abs(joint - load) > bound:
             return False
         if joint < load:

@@ -85,7 +85,7 @@ def critical_stiffness(
         if gravity is out of range.
     """
     checked_person(body, stiffness, gravity)
-    ankle, knee, hip = stiffness
+    ankle, knee, hip = stiffness.joints
     return Stiffness(
         ankle=critical_ankle_stiffness(body, knee, hip, gravity),
         knee=critical_knee_stiffness(body, ankle, hip, gravity),

@@ -130,7 +130,7 @@ class Study:
 
     def axes_of(self, quantity: str) -> tuple[str, ...]:
         """Return the axes that a quantity depends on, in the study's order."""
-        return tuple(name for name in self.axes if name not in QUANTITIES[quantity].without)
+        return tuple(name for name in self.axes if QUANTITIES[quantity].depends_on(name))
 
     @cached_property
     def grid(self) -> Grid:

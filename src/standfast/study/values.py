@@ -74,26 +74,43 @@ def checked_title(content: Mapping[str, Any]) -> str:
 
 def checked_parameters(content: Mapping[str, Any]) -> dict[str, Value]:
     """Check all parameters of a study under their full names, in its order; add the defaults."""
-    sections: dict[str, dict[str, Parameter]] = {}
-    for row in PARAMETERS.values():
-        if row.key:
-            sections.setdefault(row.section, {})[row.key] = row
-    alone = sections.pop("", {})
-    known_keys("study", content, ("title", *alone, *sections, "output"))
-    parameters: dict[str, Value] = {}
-    for key, given in content.items():
-        if key in alone:
-            parameters[alone[key].name] = checked_value(key, alone[key], given)
-        elif key in sections:
-            known_keys(f"[{key}]", given, sections[key])
-            for name, value in given.items():
-                row = sections[key][name]
-                parameters[row.name] = checked_value(row.place, row, value)
+    apart = ("title", "output")
+    known_keys("study", content, ("title", *_keys_of(""), "output"))
+    parameters = _in_table("", {k: given for k, given in content.items() if k not in apart})
     for row in PARAMETERS.values():
         if row.default is not None and not row.unwritten:
             parameters.setdefault(row.name, row.default)
     check_complete(parameters)
     return parameters
+
+
+def _keys_of(section: str) -> dict[str, Parameter | str]:
+    """Return the keys of a section: of a parameter its row, of a section within its full name."""
+    keys: dict[str, Parameter | str] = {}
+    within: dict[str, Parameter | str] = {}
+    head = f"{section}." if section else ""
+    for row in PARAMETERS.values():
+        if row.key and row.section == section:
+            keys[row.key] = row
+        elif row.key and row.section.startswith(head):
+            key = row.section.removeprefix(head).partition(".")[0]
+            within[key] = f"{head}{key}"
+    return {**keys, **within}
+
+
+def _in_table(section: str, given: Any) -> dict[str, Value]:
+    """Check the parameters in one table of a study, and in the tables within it, in its order."""
+    keys = _keys_of(section)
+    if section:
+        known_keys(f"[{section}]", given, keys)
+    found: dict[str, Value] = {}
+    for key, value in given.items():
+        place = keys[key]
+        if isinstance(place, str):
+            found.update(_in_table(place, value))
+        else:
+            found[place.name] = checked_value(place.place, place, value)
+    return found
 
 
 def checked_value(where: str, row: Parameter, given: Any) -> Value:

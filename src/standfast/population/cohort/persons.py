@@ -169,7 +169,9 @@ def outcome(model: CohortModel, given: Mapping[str, Scalar]) -> dict[str, Scalar
         "stable": verdict(body, stiffness, model.gravity),
         "safety_factor": safety_factor(body, stiffness, model.gravity),
     }
-    for joint, own, load, threshold in zip(JOINTS, stiffness, loads, critical, strict=True):
+    for joint, own, load, threshold in zip(
+        JOINTS, stiffness.joints, loads, critical.joints, strict=True
+    ):
         xp = namespace(own, threshold)
         found[f"{joint}_stiffness"] = own
         found[f"{joint}_load"] = load

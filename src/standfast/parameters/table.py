@@ -1,22 +1,20 @@
 """The one table of parameters: name, symbol, unit, range, and where a study says it.
 
 A row carries all of a parameter: labels of figures, attributes of files, the keys of a study, its
-default, and the border check, by which a value that a user gives is compared with its row; the
-message names the parameter, the value and what would be right.
+default, and the range with which :mod:`.border` compares what a user gives.
 """
 
 import math
-import numbers
 from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
-
-from standfast.errors import InputError, nearest_name, shortened
-from standfast.numerics.arrays import Scalar
 
 JOINTS = ("ankle", "knee", "hip")
 STIFFNESSES = tuple(f"{joint}_stiffness" for joint in JOINTS)
+# Of two joints together, by muscles that span both.
+COUPLED_JOINTS = (("ankle", "knee"), ("knee", "hip"), ("ankle", "hip"))
+COUPLINGS = tuple(f"{one}_{other}_stiffness" for one, other in COUPLED_JOINTS)
+DAMPINGS = tuple(f"{joint}_damping" for joint in JOINTS)
+# Of feedback: the joint that makes the moment, the joint whose rotation is sensed.
+LOOPS = tuple((moment, rotation) for moment in JOINTS for rotation in JOINTS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +67,7 @@ def label(words: str, symbol: str, unit: str) -> str:
 BODY_MODELS = ("edwards2007", "winter", "de-leva-male", "de-leva-female")
 STANDARD_GRAVITY = 9.80665
 STIFFNESS_UNIT = "N·m/rad"
+DAMPING_UNIT = "N·m·s/rad"
 
 
 def _stiffness(joint: str) -> Parameter:
@@ -82,6 +81,62 @@ def _stiffness(joint: str) -> Parameter:
         or_rigid=True,
         section="stiffness",
         key=joint,
+    )
+
+
+def _coupling(one: str, other: str) -> Parameter:
+    return Parameter(
+        f"{one}_{other}_stiffness",
+        f"K_{{{one[0]}{other[0]}}}",
+        STIFFNESS_UNIT,
+        f"stiffness that couples {one} and {other}, as muscles across both do",
+        -1e5,  # up to here every accuracy that is promised has been measured
+        1e5,
+        section="stiffness",
+        key=f"{one}_{other}",
+        default=0.0,
+        unwritten=True,
+    )
+
+
+def _damping(joint: str) -> Parameter:
+    return Parameter(
+        f"{joint}_damping",
+        f"B_{joint[0]}",
+        DAMPING_UNIT,
+        f"damping of both {joint}s together",
+        0.0,
+        1e5,
+        section="damping",
+        key=joint,
+        default=0.0,
+        unwritten=True,
+    )
+
+
+def gain_name(kind: str, moment: str, rotation: str) -> str:
+    """Return what the gain of feedback is called from a joint's rotation to a joint's moment."""
+    return f"{_pair(moment, rotation)}_{kind}_gain"
+
+
+def _pair(moment: str, rotation: str) -> str:
+    return moment if moment == rotation else f"{moment}_{rotation}"
+
+
+def _gain(kind: str, symbol: str, unit: str, moment: str, rotation: str) -> Parameter:
+    pair = _pair(moment, rotation)
+    sensed = "rotation" if kind == "proportional" else "rate of rotation"
+    return Parameter(
+        gain_name(kind, moment, rotation),
+        f"{symbol}_{{{''.join(joint[0] for joint in pair.split('_'))}}}",
+        unit,
+        f"feedback: moment at the {moment} per {sensed} of the {rotation}",
+        -1e5,
+        1e5,
+        section=f"feedback.{kind}",
+        key=pair,
+        default=0.0,
+        unwritten=True,
     )
 
 
@@ -117,6 +172,22 @@ _TABLE = (
         "bmi", "", "kg/m²", "body mass index, mass / height²", 5.0, 250.0, section="body", key="bmi"
     ),
     *map(_stiffness, JOINTS),
+    *(_coupling(*pair) for pair in COUPLED_JOINTS),
+    *map(_damping, JOINTS),
+    Parameter(
+        "feedback_delay",
+        r"\tau",
+        "s",
+        "delay of the feedback, from sensing to moment",
+        0.0,
+        10.0,  # beyond all nerves; catches milliseconds
+        section="feedback",
+        key="delay",
+        default=0.0,
+        unwritten=True,
+    ),
+    *(_gain("proportional", "P", STIFFNESS_UNIT, *pair) for pair in LOOPS),
+    *(_gain("derivative", "D", DAMPING_UNIT, *pair) for pair in LOOPS),
 )
 PARAMETERS = {row.name: row for row in _TABLE}
 
@@ -128,93 +199,3 @@ _SEGMENT_TABLE = (
     Parameter("segment_com", "e", "m", "centre of mass above the lower end", 1e-3, 2.0),
 )
 SEGMENT_PARAMETERS = {row.name: row for row in _SEGMENT_TABLE}
-
-
-def checked_choice(where: str, value: Any, *, row: Parameter | None = None) -> str:
-    """Return ``value`` if it is one of the words that a parameter can be.
-
-    ``where`` and ``row`` as in :func:`checked_number`.
-    """
-    wrong = "known" if row is None else f"a {row.name.replace('_', ' ')}"
-    row = row or PARAMETERS[where]
-    if not isinstance(value, str) or value not in row.choices:
-        kind = row.name.split("_")[-1]
-        raise InputError(
-            f"{where} = {shortened(value)} is not {wrong}{nearest_name(value, row.choices)} "
-            f"({kind}s: {', '.join(row.choices)})"
-        )
-    return value
-
-
-def checked_number(name: str, value: Any, *, row: Parameter | None = None) -> float:
-    """Return ``value`` as a float if it lies in the range of the parameter ``name``.
-
-    ``name`` is what the message calls it; ``row`` is the table row when that differs.
-    """
-    row = row or PARAMETERS[name]
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        value = value.item()
-    if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
-        kind = "text" if isinstance(value, str) else f"of type {type(value).__name__}"
-        raise InputError(f"{name} = {value!r} is {kind}; give a number, {row.allowed}")
-    try:
-        number = float(value)
-    except OverflowError:
-        raise InputError(f"{name} is an integer beyond all floats; give {row.allowed}") from None
-    if math.isnan(number):
-        raise InputError(f"{name} is NaN (not a number); give {row.allowed}")
-    if row.or_rigid and number == math.inf:
-        return number
-    if not row.lowest <= number <= row.highest:
-        raise InputError(
-            f"{name} = {number:g} is outside the allowed range, {row.allowed}{_likely(row, number)}"
-        )
-    return number
-
-
-def number_in(text: str) -> float:
-    """Read a number in ASCII digits; ``float`` also takes ``8_0`` and the digits of all scripts.
-
-    Raises
-    ------
-    ValueError
-        if it is none.
-    """
-    if "_" in text or not text.isascii():
-        raise ValueError(text)
-    return float(text)
-
-
-def _likely(row: Parameter, number: float) -> str:
-    """Guess the slip of units behind a number out of range."""
-    for factor, unit in ((100.0, "centimetres"), (1000.0, "millimetres")):
-        if row.name == "height" and 1.0 <= number / factor <= row.highest:
-            return f"; {number:g} looks like {unit}, write {number / factor:g}"
-    if row.name == "mass" and row.lowest <= number / 1000.0 <= row.highest:
-        return f"; {number:g} looks like grams, write {number / 1000.0:g}"
-    return ""
-
-
-def checked_scalar(name: str, value: Any) -> Scalar:
-    """Check a parameter of one person: one number in its range, or one that is being traced."""
-    if value is None or np.shape(value) != ():
-        shape = "None" if value is None else f"an array of shape {np.shape(value)}"
-        raise InputError(
-            f"{name} is {shape}; give one number, {PARAMETERS[name].allowed}, "
-            "or map over many with jax.vmap"
-        )
-    return checked_leaf(name, value)
-
-
-def checked_leaf(name: str, value: Any) -> Scalar:
-    """Check a parameter if it was typed in; let the leaves of a pytree pass."""
-    return checked_number(name, value) if is_typed_in(value) else value
-
-
-def is_typed_in(value: Any) -> bool:
-    """Return whether a value is one that people write, as against one that programs hand around.
-
-    JAX takes records apart and puts them together again with tracers, None and marks of its own.
-    """
-    written = (numbers.Number, np.generic, str, bytes, list, tuple, dict, set)
-    return isinstance(value, written) or (isinstance(value, np.ndarray) and value.ndim == 0)

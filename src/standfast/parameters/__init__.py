@@ -1,0 +1,51 @@
+"""The one table of parameters, and the check at the border."""
+
+from standfast.parameters.border import (
+    checked_choice,
+    checked_leaf,
+    checked_number,
+    checked_scalar,
+    is_typed_in,
+    number_in,
+)
+from standfast.parameters.table import (
+    BODY_MODELS,
+    COUPLED_JOINTS,
+    COUPLINGS,
+    DAMPING_UNIT,
+    DAMPINGS,
+    JOINTS,
+    LOOPS,
+    PARAMETERS,
+    SEGMENT_PARAMETERS,
+    STANDARD_GRAVITY,
+    STIFFNESS_UNIT,
+    STIFFNESSES,
+    Parameter,
+    gain_name,
+    label,
+)
+
+__all__ = [
+    "BODY_MODELS",
+    "COUPLED_JOINTS",
+    "COUPLINGS",
+    "DAMPINGS",
+    "DAMPING_UNIT",
+    "JOINTS",
+    "LOOPS",
+    "PARAMETERS",
+    "SEGMENT_PARAMETERS",
+    "STANDARD_GRAVITY",
+    "STIFFNESSES",
+    "STIFFNESS_UNIT",
+    "Parameter",
+    "checked_choice",
+    "checked_leaf",
+    "checked_number",
+    "checked_scalar",
+    "gain_name",
+    "is_typed_in",
+    "label",
+    "number_in",
+]

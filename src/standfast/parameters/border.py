@@ -1,0 +1,109 @@
+"""The border check: a value that a user gives, compared with its row of the table.
+
+The message names the parameter, the value and what would be right.
+"""
+
+import math
+import numbers
+from typing import Any
+
+import numpy as np
+
+from standfast.errors import InputError, nearest_name, shortened
+from standfast.numerics.arrays import Scalar
+from standfast.parameters.table import PARAMETERS, Parameter
+
+
+def checked_choice(where: str, value: Any, *, row: Parameter | None = None) -> str:
+    """Return ``value`` if it is one of the words that a parameter can be.
+
+    ``where`` and ``row`` as in :func:`checked_number`.
+    """
+    wrong = "known" if row is None else f"a {row.name.replace('_', ' ')}"
+    row = row or PARAMETERS[where]
+    if not isinstance(value, str) or value not in row.choices:
+        kind = row.name.split("_")[-1]
+        raise InputError(
+            f"{where} = {shortened(value)} is not {wrong}{nearest_name(value, row.choices)} "
+            f"({kind}s: {', '.join(row.choices)})"
+        )
+    return value
+
+
+def checked_number(name: str, value: Any, *, row: Parameter | None = None) -> float:
+    """Return ``value`` as a float if it lies in the range of the parameter ``name``.
+
+    ``name`` is what the message calls it; ``row`` is the table row when that differs.
+    """
+    row = row or PARAMETERS[name]
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value.item()
+    if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
+        kind = "text" if isinstance(value, str) else f"of type {type(value).__name__}"
+        raise InputError(f"{name} = {value!r} is {kind}; give a number, {row.allowed}")
+    try:
+        number = float(value)
+    except OverflowError:
+        raise InputError(f"{name} is an integer beyond all floats; give {row.allowed}") from None
+    if math.isnan(number):
+        raise InputError(f"{name} is NaN (not a number); give {row.allowed}")
+    if row.or_rigid and number == math.inf:
+        return number
+    if not row.lowest <= number <= row.highest:
+        raise InputError(
+            f"{name} = {number:g} is outside the allowed range, {row.allowed}{_likely(row, number)}"
+        )
+    return number
+
+
+def number_in(text: str) -> float:
+    """Read a number in ASCII digits; ``float`` also takes ``8_0`` and the digits of all scripts.
+
+    Raises
+    ------
+    ValueError
+        if it is none.
+    """
+    if "_" in text or not text.isascii():
+        raise ValueError(text)
+    return float(text)
+
+
+def _likely(row: Parameter, number: float) -> str:
+    """Guess the slip of units behind a number out of range."""
+    for factor, unit in ((100.0, "centimetres"), (1000.0, "millimetres")):
+        if row.name == "height" and 1.0 <= number / factor <= row.highest:
+            return f"; {number:g} looks like {unit}, write {number / factor:g}"
+    if row.name == "feedback_delay":
+        if row.lowest < -number <= row.highest:
+            return f"; feedback comes after what it senses, write {-number:g}"
+        if row.highest < number <= 1000.0 * row.highest:
+            return f"; {number:g} looks like milliseconds, write {number / 1000.0:g}"
+    if row.name == "mass" and row.lowest <= number / 1000.0 <= row.highest:
+        return f"; {number:g} looks like grams, write {number / 1000.0:g}"
+    return ""
+
+
+def checked_scalar(name: str, value: Any) -> Scalar:
+    """Check a parameter of one person: one number in its range, or one that is being traced."""
+    if value is None or np.shape(value) != ():
+        shape = "None" if value is None else f"an array of shape {np.shape(value)}"
+        raise InputError(
+            f"{name} is {shape}; give one number, {PARAMETERS[name].allowed}, "
+            "or map over many with jax.vmap"
+        )
+    return checked_leaf(name, value)
+
+
+def checked_leaf(name: str, value: Any) -> Scalar:
+    """Check a parameter if it was typed in; let the leaves of a pytree pass."""
+    return checked_number(name, value) if is_typed_in(value) else value
+
+
+def is_typed_in(value: Any) -> bool:
+    """Return whether a value is one that people write, as against one that programs hand around.
+
+    JAX takes records apart and puts them together again with tracers, None and marks of its own.
+    """
+    written = (numbers.Number, np.generic, str, bytes, list, tuple, dict, set)
+    return isinstance(value, written) or (isinstance(value, np.ndarray) and value.ndim == 0)

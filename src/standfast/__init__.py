@@ -13,10 +13,17 @@ from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import inertia_matrix, stiffness_matrix
 from standfast.mechanics.motion import joint_moments, kinetic_energy, potential_energy
 from standfast.parameters import BODY_MODELS
+from standfast.stability.feedback import (
+    critical_delay,
+    delay_crossings,
+    is_stable,
+    rightmost_root,
+    unstable_roots,
+)
 from standfast.stability.margins import safety_factor, stability_determinant, stiffness_reserve
 from standfast.stability.modes import Modes, frequency, growth_rate, modes
 from standfast.stability.rounding import verdict_is_certain
-from standfast.stability.springs import critical_stiffness, equal_rotation, is_stable
+from standfast.stability.springs import critical_stiffness, equal_rotation
 from standfast.study.study import Study
 from standfast.version import __version__
 
@@ -50,7 +57,9 @@ __all__ = [
     "Study",
     "__version__",
     "compute",
+    "critical_delay",
     "critical_stiffness",
+    "delay_crossings",
     "equal_rotation",
     "frequency",
     "growth_rate",
@@ -61,12 +70,14 @@ __all__ = [
     "modes",
     "open_atlas",
     "potential_energy",
+    "rightmost_root",
     "safety_factor",
     "simulate",
     "stability_determinant",
     "stiffness_matrix",
     "stiffness_reserve",
     "sweep",
+    "unstable_roots",
     "verdict_is_certain",
 ]
 

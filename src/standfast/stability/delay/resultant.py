@@ -1,0 +1,163 @@
+"""Where a root z of Δ(iω, z) lies on the unit circle: the Schur-Cohn resultant R(ω²).
+
+R changes sign at ω where a root z passes the unit circle, that is at the crossings of all delays.
+With x = ω² every polynomial on the imaginary axis is a(x) + iω b(x), and R a real polynomial in x
+of degree 2n (m = 1), 4n (m = 2) or 6n (m = 3). Its coefficients would lose all digits, so it is put
+together from the qk on each cell of x, where signs of Bernstein's coefficients prove what roots
+there are.
+
+    m = 1: R = |q0|² − |q1|²                    z = −q0/q1
+    m = 2: R = h² − |u|²                        z = −h/u,   h = |q0|² − |q2|², u = q̄0 q1 − q2 q̄1
+    m = 3: R = h² g − 2 h |u|² + 2 Re(ū² w) − g |w|²        h + u z + w z² = 0
+           h = |q0|² − |q3|², g = h + |q1|² − |q2|², u = q̄0 q1 − q3 q̄2, w = q̄0 q2 − q3 q̄1
+
+The same lines make R of numbers, at a point, and of polynomials on a cell: both add and multiply.
+
+notation: n free joints, m rank of the feedback (:mod:`.characteristic`).
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple, TypeAlias
+
+from standfast.numerics.arrays import Scalar, namespace
+from standfast.numerics.polynomials import OnCell, Polynomial, value_at
+
+Real: TypeAlias = Any  # a number, or a polynomial on a cell
+
+# Newton's method from ω good to rounding of R: the angle's digits double twice.
+POLISHING_STEPS = 3
+
+
+class OnAxis(NamedTuple):
+    """A polynomial in s on the imaginary axis: a + iω b, both of x = ω²."""
+
+    even: Real
+    odd: Real
+
+
+def resultant(quasi: Sequence[OnAxis], x: Real) -> Real:
+    """Return R of q0 … qm on the imaginary axis."""
+    if len(quasi) == 2:
+        return _square(quasi[0], x) - _square(quasi[1], x)
+    h, u, *w = _reduced(quasi, x)
+    if not w:
+        return h * h - _square(u, x)
+    g = h + _square(quasi[1], x) - _square(quasi[2], x)
+    real, imaginary = w[0]
+    squares = u.even * u.even, x * (u.odd * u.odd)
+    sizes, crossed = squares[0] + squares[1], x * (u.even * u.odd) * imaginary
+    turned = (squares[0] - squares[1]) * real + (crossed + crossed)
+    return h * (h * g - (sizes + sizes)) + (turned + turned) - g * _square(w[0], x)
+
+
+def roots_on_cell(quasi: Sequence[Polynomial], low: Scalar, high: Scalar) -> Scalar:
+    """Return how many crossings have low < ω² < high: 0 or 1 where proven, else 2."""
+    on_cell = []
+    for q in quasi:
+        even, odd = parts(q)
+        on_cell.append(OnAxis(OnCell.of(even, low, high), OnCell.of(odd, low, high)))
+    x = OnCell([low, high], high, 0.0)
+    return resultant(on_cell, x).roots()
+
+
+def resultant_at(quasi: Sequence[Polynomial], x: Scalar) -> Scalar:
+    """Return R at x = ω², divided by the largest |qk|² to the power m, so that none overflows."""
+    values = _at(quasi, x)
+    xp = namespace(x, *(part for q in values for part in q))
+    root = xp.sqrt(x)
+    size = abs(values[0].even)
+    for q in values:
+        size = xp.maximum(size, xp.maximum(abs(q.even), abs(root * q.odd)))
+    scaled = [OnAxis(q.even / size, q.odd / size) for q in values]
+    return resultant(scaled, x)
+
+
+def crossing_at(quasi: Sequence[Polynomial], x: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+    """Return ω, θ, the direction and the last correction of the crossing at ω² ≈ x.
+
+    The root iω lies on the axis for the delays τ = (θ + 2πk)/ω, 0 ≤ θ < 2π, and passes to the right
+    (+1) or left (−1) as τ grows: sgn Re(Δs · conj(iω z Δz)), for all k.
+    """
+    xp = namespace(x, *(c for q in quasi for c in q))
+    omega = xp.sqrt(x)
+    theta = -xp.angle(_root_on_circle([value_at(q, 1j * omega) for q in quasi]))
+    correction: Scalar = 0.0
+    for _ in range(POLISHING_STEPS):
+        z = xp.exp(-1j * theta)
+        at, by_s, by_z = slopes(quasi, 1j * omega, z)
+        # Δ + i Δs dω − i z Δz dθ = 0 in two real unknowns
+        first, second = 1j * by_s, -1j * z * by_z
+        area = (first.conj() * second).imag
+        change = -(at.conj() * second).imag / area
+        turn = (at.conj() * first).imag / area
+        omega, theta = omega + change, theta + turn
+        correction = xp.maximum(abs(change) / omega, abs(turn))
+    z = xp.exp(-1j * theta)
+    _, by_s, by_z = slopes(quasi, 1j * omega, z)
+    direction = xp.sign((by_s * (1j * omega * z * by_z).conj()).real)
+    theta = theta - math.tau * xp.floor(theta / math.tau)
+    return omega, theta, direction, correction
+
+
+def parts(q: Polynomial) -> tuple[Polynomial, Polynomial]:
+    """Return a and b of q(iω) = a(ω²) + iω b(ω²)."""
+    even = [c if place % 2 == 0 else -c for place, c in enumerate(q[0::2])]
+    odd = [c if place % 2 == 0 else -c for place, c in enumerate(q[1::2])]
+    return even, odd
+
+
+def _at(quasi: Sequence[Polynomial], x: Scalar) -> list[OnAxis]:
+    return [OnAxis(*(value_at(part, x) for part in parts(q))) for q in quasi]
+
+
+def _reduced(quasi: Sequence[OnAxis], x: Real) -> list[Any]:
+    """Return h, u and, for m = 3, w: the polynomial that q and its reversed conjugate leave."""
+    first, last = quasi[0], quasi[-1]
+    h = _square(first, x) - _square(last, x)
+    others = quasi[1:-1]
+    reduced = []
+    for q, opposite in zip(others, reversed(others), strict=True):
+        ahead, behind = _conjugate_times(first, q, x), _conjugate_times(opposite, last, x)
+        reduced.append(OnAxis(ahead.even - behind.even, ahead.odd - behind.odd))
+    return [h, *reduced]
+
+
+def _square(p: OnAxis, x: Real) -> Real:
+    """Return |p|²."""
+    return p.even * p.even + x * (p.odd * p.odd)
+
+
+def _conjugate_times(p: OnAxis, q: OnAxis, x: Real) -> OnAxis:
+    """Return p̄ q."""
+    return OnAxis(p.even * q.even + x * (p.odd * q.odd), p.even * q.odd - p.odd * q.even)
+
+
+def _root_on_circle(q: Sequence[Scalar]) -> Scalar:
+    """Return the root z of q0 + … + qm zᵐ that lies on the unit circle where R is 0.
+
+    Of the two roots of the quadratic that is left for m = 3 it is the one, scaled to the circle, at
+    which Δ is smaller: the other may lie near the circle too.
+    """
+    if len(q) == 2:
+        return -q[0] / q[1]
+    h = abs(q[0]) ** 2 - abs(q[-1]) ** 2
+    u = q[0].conj() * q[1] - q[-1] * q[-2].conj()
+    if len(q) == 3:
+        return -h / u
+    w = q[0].conj() * q[2] - q[3] * q[1].conj()
+    xp = namespace(*q)
+    root = xp.sqrt(u**2 - 4.0 * h * w)
+    root = xp.where((u.conj() * root).real < 0.0, -root, root)
+    first, second = -2.0 * h / (u + root), -(u + root) / (2.0 * w)
+    first, second = first / abs(first), second / abs(second)
+    nearer = abs(value_at(q, second)) < abs(value_at(q, first))
+    return xp.where(nearer, second, first)
+
+
+def slopes(quasi: Sequence[Polynomial], s: Scalar, z: Scalar) -> tuple[Scalar, Scalar, Scalar]:
+    """Return Δ, ∂Δ/∂s and ∂Δ/∂z."""
+    values = [value_at(q, s) for q in quasi]
+    slopes = [value_at([k * c for k, c in enumerate(q)][1:], s) for q in quasi]
+    by_z = value_at([k * v for k, v in enumerate(values)][1:], z)
+    return value_at(values, z), value_at(slopes, z), by_z

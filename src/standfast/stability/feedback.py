@@ -1,0 +1,183 @@
+"""Does one person stand with nerves: springs, damping and feedback that arrives late.
+
+    A q̈ + B q̇ + (K − G) q = −P q(t − τ) − D q̇(t − τ)
+
+stands if no characteristic root has a real part ≥ 0. Without gains that is the verdict of springs,
+whatever the damping (Kelvin, Tait, Chetaev). With them stability changes along τ only where a root
+crosses the imaginary axis; all crossings are found at once (:mod:`.delay.crossings`).
+
+notation: A inertia, B damping, K stiffness, G gravity part, P and D proportional and derivative
+gains, τ delay. A rigid joint takes its row and column out of all of them.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from standfast.anthropometry.body import Body
+from standfast.mechanics.feedback import Feedback, checked_damping, checked_feedback
+from standfast.mechanics.joints import Stiffness, checked_person
+from standfast.mechanics.matrices import joint_inertia, stiffness_rows
+from standfast.numerics.arrays import Scalar
+from standfast.parameters import STANDARD_GRAVITY, checked_scalar
+from standfast.stability.delay.persons import all_crossings, all_rightmost
+from standfast.stability.delay.table import Crossings
+from standfast.stability.springs import verdict
+
+
+def is_stable(
+    body: Body,
+    stiffness: Stiffness,
+    gravity: Scalar = STANDARD_GRAVITY,
+    *,
+    damping: Any = None,
+    feedback: Feedback | None = None,
+) -> bool:
+    """Return whether the person stands: no characteristic root has a real part ≥ 0.
+
+    The boundary itself counts as unstable. Without feedback: C is positive definite, right unless
+    the ankle's stiffness lies within rounding of the threshold (see :func:`verdict_is_certain`).
+
+    Parameters
+    ----------
+    body, stiffness, gravity
+        the person, joint stiffness (N·m/rad) and gravity (m/s²).
+    damping
+        three numbers or a symmetric positive semidefinite 3 × 3 matrix, N·m·s/rad; None: none.
+    feedback
+        gains and delay; None: none.
+
+    Raises
+    ------
+    InputError
+        if anything is out of range or of another shape.
+    """
+    checked_person(body, stiffness, gravity)
+    matrix, fed_back = checked_damping(damping), checked_feedback(feedback)
+    if not (fed_back.proportional.any() or fed_back.derivative.any()):
+        return bool(verdict(body, stiffness, gravity))
+    table = _table(body, stiffness, gravity, matrix, fed_back)
+    return bool(table.stable_at(np.array([float(fed_back.delay)]))[0, 0])
+
+
+def critical_delay(
+    body: Body,
+    stiffness: Stiffness,
+    gravity: Scalar = STANDARD_GRAVITY,
+    *,
+    damping: Any = None,
+    feedback: Feedback,
+) -> float:
+    """Return the smallest delay at which the person ceases to stand (s).
+
+    0 if they do not stand without delay, inf if they stand at every delay. Windows of standing may
+    follow at longer delays (:func:`delay_crossings`). The delay inside ``feedback`` is not used.
+
+    Parameters and errors are those of :func:`is_stable`.
+    """
+    return float(_of(body, stiffness, gravity, damping, feedback).critical_delay()[0])
+
+
+def delay_crossings(
+    body: Body,
+    stiffness: Stiffness,
+    gravity: Scalar = STANDARD_GRAVITY,
+    *,
+    damping: Any = None,
+    feedback: Feedback,
+    longest: float = 1.0,
+) -> list[tuple[float, float, int]]:
+    """Return where roots cross the imaginary axis, as the delay grows to ``longest`` seconds.
+
+    Returns
+    -------
+    list of (delay in s, angular frequency in rad/s, +1 to the right or −1 to the left), by rising
+    delay. Each is a pair of conjugate roots.
+
+    Other parameters and errors are those of :func:`is_stable`.
+    """
+    longest = float(checked_scalar("feedback_delay", longest))
+    table = _of(body, stiffness, gravity, damping, feedback)
+    found = [
+        (delay, float(table.frequency[number]), int(table.direction[number]))
+        for number in range(table.person.size)
+        for delay in np.arange(table.angle[number], longest * table.frequency[number], 2.0 * np.pi)
+        / table.frequency[number]
+    ]
+    return sorted((float(delay), omega, way) for delay, omega, way in found)
+
+
+def unstable_roots(
+    body: Body,
+    stiffness: Stiffness,
+    gravity: Scalar = STANDARD_GRAVITY,
+    *,
+    damping: Any = None,
+    feedback: Feedback,
+) -> int:
+    """Return the number of characteristic roots with a positive real part.
+
+    Parameters and errors are those of :func:`is_stable`.
+    """
+    fed_back = checked_feedback(feedback)
+    table = _of(body, stiffness, gravity, damping, fed_back)
+    return int(table.unstable_each(np.array([float(fed_back.delay)]))[0])
+
+
+def rightmost_root(
+    body: Body,
+    stiffness: Stiffness,
+    gravity: Scalar = STANDARD_GRAVITY,
+    *,
+    damping: Any = None,
+    feedback: Feedback,
+) -> complex:
+    """Return the characteristic root with the largest real part (1/s), its imaginary part ≥ 0.
+
+    It is proven that no root lies right of it (by more than 1e-9). With three rigid joints nothing
+    moves: −inf.
+
+    Parameters are those of :func:`is_stable`.
+
+    Raises
+    ------
+    InputError
+        if anything is out of range or of another shape.
+    ArithmeticError
+        if no root could be proven to be the rightmost.
+    """
+    checked_person(body, stiffness, gravity)
+    fed_back = checked_feedback(feedback)
+    numbers, rigid = _numbers(body, stiffness, gravity, checked_damping(damping), fed_back)
+    root, proven = all_rightmost(numbers, rigid, np.array([float(fed_back.delay)]))
+    if not proven[0]:
+        raise ArithmeticError(f"no root was proven to be the rightmost; the best was {root[0]}")
+    return complex(root[0])
+
+
+def _of(
+    body: Body, stiffness: Stiffness, gravity: Scalar, damping: Any, feedback: Any
+) -> Crossings:
+    checked_person(body, stiffness, gravity)
+    return _table(body, stiffness, gravity, checked_damping(damping), checked_feedback(feedback))
+
+
+def _table(
+    body: Body, stiffness: Stiffness, gravity: Scalar, damping: Any, feedback: Feedback
+) -> Crossings:
+    return all_crossings(*_numbers(body, stiffness, gravity, damping, feedback))
+
+
+def _numbers(
+    body: Body, stiffness: Stiffness, gravity: Scalar, damping: Any, feedback: Feedback
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return A, B, C, P, D of one person as (5, 3, 3, 1), and which joints are rigid, (3, 1)."""
+    parts = (
+        joint_inertia(body),
+        damping,
+        stiffness_rows(body, stiffness, gravity),
+        feedback.proportional,
+        feedback.derivative,
+    )
+    numbers = np.array([np.asarray(part, np.float64) for part in parts])[..., None]
+    return numbers, np.isinf(np.array(stiffness.joints, np.float64))[:, None]

@@ -9,11 +9,17 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from standfast.anthropometry.body import Body, body_of
+from standfast.mechanics.feedback import damping_rows, delay_of, gain_rows
 from standfast.mechanics.joints import Stiffness
-from standfast.numerics.arrays import Scalar, Vector
+from standfast.mechanics.matrices import joint_inertia, stiffness_rows
+from standfast.numerics.arrays import Scalar, Vector, namespace
 from standfast.parameters import COUPLINGS, PARAMETERS, STIFFNESS_UNIT, STIFFNESSES, label
 from standfast.stability import fast, springs
+from standfast.stability.delay import answers, one_joint
+from standfast.stability.delay.answers import FedBack
 from standfast.stability.exact import SCALING_ROUNDING, exact_threshold
 from standfast.stability.margins import safety_factor, stability_determinant, stiffness_reserve
 from standfast.stability.modes import frequency, growth_rate, modes, ratio_to_ankle
@@ -65,27 +71,52 @@ class Quantity:
     rigid joint. Quantities of one way share it. ``without`` are the parameters, and the sections of
     parameters, on which it does not depend; ``flags`` the meanings of 0, 1 and so on of a quantity
     of whole numbers.
+
+    ``fed_back`` answers it for persons with delayed feedback (:class:`.delay.answers.FedBack`), in
+    studies that have gains; a quantity without ``reference`` is found that way in every study.
+    ``of_one_joint`` finds it in closed form where two joints are rigid throughout a study.
     """
 
     name: str
     symbol: str
     unit: str
     meaning: str
-    reference: Callable[[Person], Any]
+    reference: Callable[[Person], Any] | None
     pick: Callable[[Person, Any], Scalar] = lambda _, found: found
     dtype: str = "float64"
     without: tuple[str, ...] = ()
     fast: Callable[[Person], tuple[Any, Scalar]] | None = None
     step: Step | None = None
     flags: tuple[str, ...] = ()
+    fed_back: Callable[[FedBack], np.ndarray] | None = None
+    of_one_joint: Callable[[Person], Scalar] | None = None
 
     @property
     def label(self) -> str:
         """Axis label of a figure: words, symbol and unit."""
         return label(self.name.replace("_", " "), self.symbol, self.unit)
 
-    def depends_on(self, parameter: str) -> bool:
-        """Return whether a parameter, by its name, can change it."""
+    @property
+    def at_point(self) -> Callable[[Person], Any]:
+        """The function that finds it at one point."""
+        found = self.reference or self.of_one_joint
+        if found is None:
+            raise ValueError(f"{self.name} is not found point by point")
+        return found
+
+    def way(self, study_has_gains: bool, *, one_joint: bool = False) -> str:
+        """Return how it is computed: by steps along an axis, fed back, or as numbers a point."""
+        if self.fed_back is not None and (study_has_gains or self.reference is None):
+            return "numbers" if one_joint and self.of_one_joint is not None else "fed back"
+        return "steps" if self.step is not None else "numbers"
+
+    def depends_on(self, parameter: str, *, study_has_gains: bool = False) -> bool:
+        """Return whether a parameter, by its name, can change it.
+
+        What springs decide without gains depends on all that is of nerves with them.
+        """
+        if study_has_gains and self.fed_back is not None and self.reference is not None:
+            return True
         section = PARAMETERS[parameter].section
         return not {parameter, section, section.partition(".")[0]} & set(self.without)
 
@@ -141,6 +172,21 @@ def _rotation(joint: str) -> Quantity:
     )
 
 
+def joint_of(person: Person) -> one_joint.OneJoint:
+    """Return the one joint of a person that is not rigid."""
+    parts = (
+        joint_inertia(person.body),
+        damping_rows(person.given),
+        stiffness_rows(person.body, person.stiffness, person.gravity),
+        gain_rows(person.given, "proportional"),
+        gain_rows(person.given, "derivative"),
+    )
+    xp = namespace(*person.stiffness.joints)
+    rigid = [xp.isinf(k) for k in person.stiffness.joints]
+    entries = (sum(xp.where(rigid[i], 0.0, part[i][i]) for i in range(3)) for part in parts)
+    return one_joint.OneJoint(*entries)
+
+
 modes_of = of_springs(modes)
 eigenvalues_of = of_springs(fast.fast_eigenvalues)
 
@@ -163,6 +209,7 @@ _TABLE = (
         dtype="uint8",
         step=STANDING,
         flags=("unstable", "stable"),
+        fed_back=answers.stands,
     ),
     Quantity(
         "stability_determinant",
@@ -217,5 +264,58 @@ _TABLE = (
     ),
     _rotation("hip"),
     _rotation("knee"),
+    Quantity(
+        "critical_delay",
+        r"\tau_\mathrm{crit}",
+        "s",
+        "smallest delay at which stability is lost, 0 if unstable without delay, inf if never",
+        None,
+        without=("feedback_delay",),
+        fed_back=answers.critical_delay,
+        of_one_joint=lambda one: one_joint.critical_delay(joint_of(one)),
+    ),
+    Quantity(
+        "delay_margin",
+        r"\Delta\tau",
+        "s",
+        "critical delay less the delay of the feedback",
+        None,
+        fed_back=answers.delay_margin,
+        of_one_joint=lambda one: one_joint.critical_delay(joint_of(one)) - delay_of(one.given),
+    ),
+    Quantity(
+        "unstable_roots",
+        "N",
+        "1",
+        "number of characteristic roots with a positive real part",
+        None,
+        dtype="uint8",
+        fed_back=answers.unstable_roots,
+        of_one_joint=lambda one: one_joint.unstable_roots(joint_of(one), delay_of(one.given)),
+    ),
+    Quantity(
+        "decay_rate",
+        r"-\mathrm{Re}\,s",
+        "1/s",
+        "rate at which sway decays, of the rightmost root, negative where the person falls",
+        None,
+        fed_back=answers.decay_rate,
+    ),
+    Quantity(
+        "sway_frequency",
+        "f_s",
+        "Hz",
+        "frequency of the rightmost root",
+        None,
+        fed_back=answers.sway_frequency,
+    ),
+    Quantity(
+        "damping_ratio",
+        r"\zeta",
+        "1",
+        "damping ratio of the rightmost root, negative where the person falls",
+        None,
+        fed_back=answers.damping_ratio,
+    ),
 )
 QUANTITIES = {row.name: row for row in _TABLE}

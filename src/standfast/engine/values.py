@@ -37,11 +37,11 @@ class Values:
         rows = tuple(QUANTITIES[name] for name in group.quantities)
         rigid = any(study.fixed.get(name) == math.inf for name in STIFFNESSES)
         # a reference that is computed anyway, for another quantity, serves all that share it
-        needed = {row.reference for row in rows if row.fast is None}
+        needed = {row.at_point for row in rows if row.fast is None}
         self.fast = tuple(
             number
             for number, row in enumerate(rows)
-            if row.fast is not None and row.reference not in needed and not rigid
+            if row.fast is not None and row.at_point not in needed and not rigid
         )
         self.on_grid = _on_grid(rows, self.fast, group.axes)
         self.reference = _at_points(tuple(rows[n] for n in self.fast), on_axes=bool(group.axes))
@@ -118,7 +118,7 @@ def _quantities(
     flag: Scalar = None
     values = []
     for number, row in enumerate(rows):
-        find = row.fast if number in fast and row.fast is not None else row.reference
+        find = row.fast if number in fast and row.fast is not None else row.at_point
         if find not in found:
             found[find] = find(person)
             if find is row.fast:

@@ -123,6 +123,9 @@ def _pair(moment: str, rotation: str) -> str:
     return moment if moment == rotation else f"{moment}_{rotation}"
 
 
+GAINS = tuple(gain_name(kind, *loop) for kind in ("proportional", "derivative") for loop in LOOPS)
+
+
 def _gain(kind: str, symbol: str, unit: str, moment: str, rotation: str) -> Parameter:
     pair = _pair(moment, rotation)
     sensed = "rotation" if kind == "proportional" else "rate of rotation"

@@ -24,6 +24,7 @@ from standfast.stability.delay.characteristic import (
     right_of_axis,
     undelayed,
 )
+from standfast.stability.delay.one_joint import OneJoint, crossings
 from standfast.stability.delay.resultant import crossing_at, resultant_at, roots_on_cell
 from standfast.stability.delay.table import TURN, Crossings
 
@@ -42,6 +43,7 @@ NARROW = 1e-8  # relative width from which polishing goes on
 NOISE = 1e-13  # of the scaled resultant
 ROUNDED_UP = 1.0 + 1e-12
 AT_ONCE = 1e-9  # rad of a turn, of roots that lie on the axis without delay
+CANCELLED = 1e-9  # part of the largest entry of C that a pivot may be and be told from 0
 BESIDE = 1e-7  # part of a root that its real part may be where it lies on the axis
 SETTLED = 1e-9  # largest last correction of a crossing that counts as found
 
@@ -135,17 +137,18 @@ def polished(problem: Problem, coefficients: Array, x: Scalar) -> Array:
 
 def crossings_of(problem: Problem, numbers: np.ndarray, *, apply: Apply = directly) -> Crossings:
     """Find all crossings of persons whose matrices are ``numbers``, (5, n, n, persons)."""
+    if problem.rank == 0:
+        return _without_feedback(numbers[2])
     coefficients, unstable, open_, bound = map(np.asarray, apply(prepared, problem, numbers))
     unstable, uncertain = unstable.astype(np.int32), open_.astype(bool)
-    on_axis, neutral = np.zeros_like(uncertain), np.zeros_like(uncertain)
+    on_axis, neutral, nobody = (np.zeros_like(uncertain) for _ in range(3))
     for who in np.flatnonzero(uncertain):
         whole = undelayed(problem.quasi(coefficients[:, who]))
         unstable[who], on_axis[who], neutral[who], uncertain[who] = _settled(np.array(whole))
-    if problem.rank == 0:
-        none = np.zeros(0)
-        return Crossings(
-            unstable, on_axis, neutral, uncertain, none.astype(np.intp), none, none, none
-        )
+    known = (unstable, on_axis, neutral, uncertain, nobody)
+    if problem.joints == 1:
+        person, frequency, angle, direction = _in_closed_form(problem, numbers, apply)
+        return Crossings(*known, person, frequency, angle, direction)
     person, low, high = _isolated(problem, coefficients, bound, uncertain, apply)
     x = _narrowed(problem, coefficients[:, person], low, high, apply)
     frequency, angle, direction, correction = np.asarray(
@@ -156,7 +159,54 @@ def crossings_of(problem: Problem, numbers: np.ndarray, *, apply: Apply = direct
     # roots on the axis without delay leave it at once, to the right or to the left
     at_once = on_axis[person] & ((angle < AT_ONCE) | (angle > TURN - AT_ONCE))
     angle = np.where(at_once, np.where(direction > 0.0, 0.0, TURN), angle)
-    return Crossings(unstable, on_axis, neutral, uncertain, person, frequency, angle, direction)
+    return Crossings(*known, person, frequency, angle, direction)
+
+
+def _without_feedback(stiffness: np.ndarray) -> Crossings:
+    """Return the table of persons without feedback, by their springs: C, (n, n, persons).
+
+    With any damping, or none, as many roots lie to the right as C has negative eigenvalues. The
+    signs of its pivots tell; one that nearly cancels is uncertain.
+    """
+    size = np.abs(stiffness).max(axis=(0, 1))
+    rest = stiffness.copy()
+    negative = np.zeros(size.shape, np.int32)
+    uncertain = np.zeros(size.shape, bool)
+    for step in range(len(rest)):
+        pivot = rest[step, step]
+        uncertain |= ~(np.abs(pivot) > CANCELLED * size)
+        negative += pivot < 0.0
+        safe = np.where(pivot == 0.0, 1.0, pivot)
+        rest = rest - rest[:, step][:, None] * rest[step][None] / safe
+    none = np.zeros(0)
+    nobody = np.zeros(size.shape, bool)
+    return Crossings(
+        negative,
+        nobody,
+        uncertain.copy(),
+        uncertain,
+        ~nobody,
+        none.astype(np.intp),
+        none,
+        none,
+        none,
+    )
+
+
+def of_one_joint(problem: Problem, numbers: Array) -> Array:
+    """Return ω and θ to the right, then to the left, of one free joint, (4, persons)."""
+    del problem
+    found = crossings(OneJoint(*(matrix[0][0] for matrix in numbers)))
+    return namespace(*found).stack(found)
+
+
+def _in_closed_form(
+    problem: Problem, numbers: np.ndarray, apply: Apply
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    both = np.asarray(apply(of_one_joint, problem, numbers)).reshape(2, 2, -1)
+    way, person = np.nonzero(np.isfinite(both[:, 0]))
+    frequency, angle = both[way, :, person].T
+    return person, frequency, angle, np.where(way == 0, 1.0, -1.0)
 
 
 def _settled(polynomial: np.ndarray) -> tuple[int, bool, bool, bool]:

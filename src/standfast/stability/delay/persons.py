@@ -27,12 +27,12 @@ def all_crossings(numbers: np.ndarray, rigid: np.ndarray, *, apply: Apply = dire
     """
     persons = numbers.shape[-1]
     unstable = np.zeros(persons, np.int32)
-    marks = np.zeros((3, persons), bool)
+    marks = np.zeros((4, persons), bool)
     tables = []
     for problem, who, reduced in _problems(numbers, rigid):
         found = crossings_of(problem, reduced, apply=apply)
         unstable[who] = found.unstable
-        marks[:, who] = found.on_axis, found.neutral, found.uncertain
+        marks[:, who] = found.on_axis, found.neutral, found.uncertain, found.by_springs
         tables.append((who[found.person], found.frequency, found.angle, found.direction))
     empty = [(np.zeros(0, np.intp), np.zeros(0), np.zeros(0), np.zeros(0))]
     columns = (np.concatenate(each) for each in zip(*(tables or empty), strict=True))

@@ -61,6 +61,9 @@ def rightmost_roots(
     coefficients, _, _, bound = map(np.asarray, apply(prepared, problem, numbers))
     search = _Search(problem, numbers, delay, coefficients, np.sqrt(bound), apply)
     everyone = np.arange(delay.size)
+    if problem.rank == 0:  # the roots of a polynomial are all there are
+        search.try_limits(everyone)
+        return search.root, np.isfinite(search.root)
     table = crossings_of(problem, numbers, apply=apply)
     unstable = table.unstable_each(delay)
     search.high[(unstable == 0) & ~table.uncertain] = 0.0

@@ -26,6 +26,9 @@ class Crossings:
     on_axis, neutral, uncertain : (persons,), bool
         whether roots lie on the axis without delay; whether 0 is a root, at every delay then;
         where rounding leaves anything open.
+    by_springs : (persons,), bool
+        whether nothing is fed back: then the person stands if C is positive definite, whatever
+        lies on the axis, and roots to the right are the negative eigenvalues of C.
     person, frequency, angle, direction : (crossings,)
         whose, ω (rad/s), θ (rad, 0 ≤ θ < 2π), +1 to the right or −1 as the delay grows; the root
         iω lies on the axis for the delays (θ + 2πk)/ω.
@@ -35,6 +38,7 @@ class Crossings:
     on_axis: np.ndarray
     neutral: np.ndarray
     uncertain: np.ndarray
+    by_springs: np.ndarray
     person: np.ndarray
     frequency: np.ndarray
     angle: np.ndarray
@@ -82,6 +86,12 @@ class Crossings:
             for number in np.flatnonzero(last > first):
                 stable[person[number], first[number] : last[number]] = False
         return stable
+
+    def settle(self, person: int, *, stands: bool) -> None:
+        """Note for a person without feedback what exact arithmetic says: whether it stands."""
+        self.neutral[person] = False
+        self.uncertain[person] = False
+        self.unstable[person] = 0 if stands else max(self.unstable[person], 1)
 
     def passages(self, longest: float) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         """Give persons, delays up to ``longest`` at which roots cross, and ±2, turn by turn."""

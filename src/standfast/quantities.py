@@ -62,9 +62,9 @@ class Quantity:
     ``reference`` finds it for one person, or something of which ``pick`` takes it; quantities of
     one ``reference`` share what it finds. ``fast`` is a fast way to what ``reference`` finds: it
     returns (found, uncertain), and what is uncertain is asked of the reference; always so with a
-    rigid joint. Quantities of one way share it. ``without`` are the parameters, and the sections of
-    parameters, on which it does not depend; ``flags`` the meanings of 0, 1 and so on of a quantity
-    of whole numbers.
+    rigid joint or coupled ones. Quantities of one way share it. ``without`` are the parameters, and
+    the sections of parameters, on which it does not depend; ``flags`` the meanings of 0, 1 and so
+    on of a quantity of whole numbers.
     """
 
     name: str
@@ -104,7 +104,7 @@ def _threshold(joint: str, function: Callable[..., Scalar], *others: str) -> Qua
 
     def found(person: Person) -> Scalar:
         given = (getattr(person.stiffness, other) for other in others)
-        return function(person.body, *given, person.gravity)
+        return function(person.body, *given, person.gravity, person.stiffness.couplings)
 
     return Quantity(
         f"critical_{joint}_stiffness",
@@ -147,7 +147,12 @@ eigenvalues_of = of_springs(fast.fast_eigenvalues)
 STANDING = Step(
     along="ankle_stiffness",
     interval=lambda one: threshold_interval(
-        one.body, one.stiffness.knee, one.stiffness.hip, one.gravity, scaling=SCALING_ROUNDING
+        one.body,
+        one.stiffness.knee,
+        one.stiffness.hip,
+        one.gravity,
+        one.stiffness.couplings,
+        scaling=SCALING_ROUNDING,
     ),
     exact=exact_threshold,
 )

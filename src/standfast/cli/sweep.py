@@ -1,12 +1,14 @@
 """``standfast sweep``: a study into an atlas file."""
 
 import argparse
+import sys
 from pathlib import Path
 from typing import Any
 
 from standfast.cli.parsing import add_command
 from standfast.cli.running import add_run_options, output_of, run_shards
 from standfast.files import in_bytes
+from standfast.mechanics.feedback import likely_per_degree
 from standfast.study.study import Study
 
 
@@ -24,6 +26,8 @@ def add(commands: Any) -> None:
 
 def _sweep(options: argparse.Namespace) -> None:
     study = Study.from_toml(options.study)
+    if note := likely_per_degree(study.parameters):
+        print(f"standfast: {note}", file=sys.stderr)
     output = output_of(options)
     if output.exists() and options.part is None:
         _compute(study, output)

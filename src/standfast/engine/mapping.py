@@ -127,6 +127,11 @@ class Inputs:
             for name, value in self.plainly.items()
         }
 
+    @property
+    def given(self) -> set[str]:
+        """The names of all parameters that a program takes."""
+        return self.fixed.keys() | self.along.keys()
+
     def pieces(self, places: Mapping[str, np.ndarray]) -> dict[str, Any]:
         """Return what lies at some places of each axis."""
         return {

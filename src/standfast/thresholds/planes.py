@@ -9,6 +9,8 @@ import numpy as np
 
 from standfast.anthropometry.body import REFERENCE_PEOPLE, Body, body_of
 from standfast.errors import InputError
+from standfast.mechanics.joints import NO_COUPLING
+from standfast.parameters import COUPLINGS
 from standfast.stability.springs import critical_ankle_stiffness, critical_hip_stiffness
 from standfast.study.study import Study
 
@@ -23,17 +25,22 @@ class Plane:
     body: Body
     gravity: float
     knee: float
+    couplings: tuple[float, float, float] = NO_COUPLING
     values: Mapping[str, Any] = field(default_factory=dict)
     index: Mapping[str, int] = field(default_factory=dict)
 
     def critical_hips(self, ankles: np.ndarray) -> np.ndarray:
         """Return the hip stiffness at which the person just stands, for each ankle stiffness."""
-        hips: np.ndarray = critical_hip_stiffness(self.body, ankles, self.knee, self.gravity)
+        hips: np.ndarray = critical_hip_stiffness(
+            self.body, ankles, self.knee, self.gravity, self.couplings
+        )
         return hips
 
     def critical_ankles(self, hips: np.ndarray) -> np.ndarray:
         """Return the ankle stiffness at which the person just stands, for each hip stiffness."""
-        ankles: np.ndarray = critical_ankle_stiffness(self.body, self.knee, hips, self.gravity)
+        ankles: np.ndarray = critical_ankle_stiffness(
+            self.body, self.knee, hips, self.gravity, self.couplings
+        )
         return ankles
 
     def limit_of_standing(
@@ -70,7 +77,9 @@ def plane_at(study: Study, index: Mapping[str, int]) -> Plane:
     given = {**study.fixed, **values}
     numbers = {name: float(value) for name, value in given.items() if name != "body_model"}
     body = body_of({**numbers, "body_model": REFERENCE_PEOPLE[str(given["body_model"])]})
-    return Plane(body, numbers["gravity"], numbers.get(KNEE, np.nan), values, index)
+    ankle_knee, knee_hip, ankle_hip = (numbers.get(name, 0.0) for name in COUPLINGS)
+    knee, couplings = numbers.get(KNEE, np.nan), (ankle_knee, knee_hip, ankle_hip)
+    return Plane(body, numbers["gravity"], knee, couplings, values, index)
 
 
 def has_plane(study: Study) -> bool:

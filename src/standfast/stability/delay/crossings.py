@@ -38,7 +38,7 @@ NARROWEST = 1e-10  # relative width at which a cell is given up
 MOST_OPEN = 32
 LOWEST = 1e-12  # of x, part of the bound below which no crossing is looked for
 NARROWING_STEPS = 2  # of Chandrupatla's method in one call
-MOST_NARROWINGS = 30
+FIRST_NARROWINGS, MOST_NARROWINGS = 3, 30  # calls, before Newton's method starts
 NARROW = 1e-8  # relative width from which polishing goes on
 NOISE = 1e-13  # of the scaled resultant
 ROUNDED_UP = 1.0 + 1e-12
@@ -135,8 +135,18 @@ def polished(problem: Problem, coefficients: Array, x: Scalar) -> Array:
     return namespace(x).stack(found)
 
 
-def crossings_of(problem: Problem, numbers: np.ndarray, *, apply: Apply = directly) -> Crossings:
-    """Find all crossings of persons whose matrices are ``numbers``, (5, n, n, persons)."""
+def crossings_of(
+    problem: Problem,
+    numbers: np.ndarray,
+    *,
+    of_standing_alone: bool = False,
+    apply: Apply = directly,
+) -> Crossings:
+    """Find all crossings of persons whose matrices are ``numbers``, (5, n, n, persons).
+
+    ``of_standing_alone`` leaves out those of persons who do not stand without delay, of whom a
+    critical delay needs none.
+    """
     if problem.rank == 0:
         return _without_feedback(numbers[2])
     coefficients, unstable, open_, bound = map(np.asarray, apply(prepared, problem, numbers))
@@ -149,13 +159,10 @@ def crossings_of(problem: Problem, numbers: np.ndarray, *, apply: Apply = direct
     if problem.joints == 1:
         person, frequency, angle, direction = _in_closed_form(problem, numbers, apply)
         return Crossings(*known, person, frequency, angle, direction)
-    person, low, high = _isolated(problem, coefficients, bound, uncertain, apply)
-    x = _narrowed(problem, coefficients[:, person], low, high, apply)
-    frequency, angle, direction, correction = np.asarray(
-        apply(polished, problem, coefficients[:, person], x)
-    )
-    inside = (low <= frequency**2 * ROUNDED_UP) & (frequency**2 <= high * ROUNDED_UP)
-    uncertain[person[~(correction < SETTLED) | ~inside | (direction == 0.0)]] = True
+    persons = np.flatnonzero((unstable == 0) | uncertain if of_standing_alone else unstable >= 0)
+    person, low, high = _isolated(problem, coefficients, bound, persons, uncertain, apply)
+    frequency, angle, direction, lost = _located(problem, coefficients[:, person], low, high, apply)
+    uncertain[person[lost]] = True
     # roots on the axis without delay leave it at once, to the right or to the left
     at_once = on_axis[person] & ((angle < AT_ONCE) | (angle > TURN - AT_ONCE))
     angle = np.where(at_once, np.where(direction > 0.0, 0.0, TURN), angle)
@@ -227,16 +234,17 @@ def _isolated(
     problem: Problem,
     coefficients: np.ndarray,
     bound: np.ndarray,
+    persons: np.ndarray,
     uncertain: np.ndarray,
     apply: Apply,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return persons and ends of cells that hold one crossing each; note who stays uncertain."""
     cells = len(FIRST_CELLS) - 1
-    person = np.tile(np.arange(bound.size), cells)
-    low = (np.array(FIRST_CELLS[:-1])[:, None] * bound).ravel()
-    high = (np.array(FIRST_CELLS[1:])[:, None] * bound).ravel()
-    found = []
-    while person.size:
+    person = np.tile(persons, cells)
+    low = (np.array(FIRST_CELLS[:-1])[:, None] * bound[persons]).ravel()
+    high = (np.array(FIRST_CELLS[1:])[:, None] * bound[persons]).ravel()
+    found: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+    while person.size or not found:
         count = np.asarray(apply(classified, problem, coefficients[:, person], low, high))
         one, split = count == 1, count == 2
         found.append((person[one], low[one], high[one]))
@@ -254,25 +262,48 @@ def _isolated(
     return person, low, high
 
 
-def _narrowed(
+def _located(
     problem: Problem,
     coefficients: np.ndarray,
     low: np.ndarray,
     high: np.ndarray,
     apply: Apply,
-) -> np.ndarray:
-    """Return the root of R in each cell."""
-    x: np.ndarray = 0.5 * (low + high)
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return ω, θ and direction of the crossing in each cell, and whether it was not found.
+
+    A cell holds one, so what Newton's method comes to within it is that one: it starts once the
+    resultant is small, and again from a narrow bracket where that was too early.
+    """
     f_low = np.asarray(apply(evaluated, problem, coefficients, low))
     f_high = np.asarray(apply(evaluated, problem, coefficients, high))
     state = np.stack([high, f_high, low, f_low, low, f_low])
+    found = np.full((4, low.size), np.nan)
     active = np.arange(low.size)
-    for _ in range(MOST_NARROWINGS):
+    for calls in (FIRST_NARROWINGS, MOST_NARROWINGS):
+        own = coefficients if active.size == low.size else coefficients[:, active]
+        state = _narrowed(problem, own, state, calls, apply)
+        x = np.where(abs(state[1]) < abs(state[3]), state[0], state[2])
+        found[:, active] = np.asarray(apply(polished, problem, own, x))
+        frequency, _, direction, correction = found
+        inside = (low <= frequency**2 * ROUNDED_UP) & (frequency**2 <= high * ROUNDED_UP)
+        lost = ~(correction < SETTLED) | ~inside | (direction == 0.0)
+        state = state[:, lost[active]]
+        active = np.flatnonzero(lost)
+    return found[0], found[1], found[2], lost
+
+
+def _narrowed(
+    problem: Problem, coefficients: np.ndarray, state: np.ndarray, calls: int, apply: Apply
+) -> np.ndarray:
+    """Return brackets after some calls of :func:`narrowed`; what is narrow stays as it is."""
+    state = state.copy()
+    active = np.arange(state.shape[1])
+    for _ in range(calls):
         if not active.size:
             break
-        state = np.asarray(apply(narrowed, problem, coefficients[:, active], state))
-        best = np.where(abs(state[1]) < abs(state[3]), state[0], state[2])
-        x[active] = best
-        going_on = (abs(state[0] - state[2]) > NARROW * best) & (abs(state[1]) > NOISE)
-        active, state = active[going_on], state[:, going_on]
-    return x
+        own = coefficients if active.size == state.shape[1] else coefficients[:, active]
+        state[:, active] = np.asarray(apply(narrowed, problem, own, state[:, active]))
+        size = np.abs(state[0, active] - state[2, active])
+        wide = (size > NARROW * state[0, active]) & (np.abs(state[1, active]) > NOISE)
+        active = active[wide]
+    return state

@@ -117,28 +117,47 @@ def test_a_worker_killed_in_the_last_shard_leaves_it_to_the_caller(
     assert not parts_of(path).exists()
 
 
-def test_the_file_grows_while_shards_are_computed(study, whole, tmp_path):
-    path = tmp_path / "a.h5"
-    growing, seen = parts_of(path) / f".whole{PARTIAL}", []
+class Liar:
+    """Says that everything is done, and does nothing the first times it is asked."""
 
-    def once_it_has_grown(function, *arguments):
+    def __init__(self, lies):
+        self.lies, self.asked = lies, 0
+
+    def submit(self, function, *arguments):
+        self.asked += 1
+        future = Future()
+        future.set_result([0] if self.asked <= self.lies else function(*arguments))
+        return future
+
+
+class Late(Liar):
+    """Does shard after shard at once; the last one later, once half of the file is there."""
+
+    def __init__(self, pool, study, path, size, last=None):
+        super().__init__(0)
+        self.pool, self.number, self.half = pool, study.shard_count - 1, size // 2
+        self.file, self.last, self.seen = parts_of(path) / f".whole{PARTIAL}", last, False
+
+    def submit(self, function, *arguments):
+        if arguments[2] != (self.number,):
+            return super().submit(function, *arguments)
+        return self.pool.submit(self.later, self.last or function, *arguments)
+
+    def later(self, function, *arguments):
         until = time.monotonic() + GROWS_WITHIN
-        most = len(whole[1]) // 2
-        while time.monotonic() < until and not seen:
+        while time.monotonic() < until and not self.seen:
             with contextlib.suppress(FileNotFoundError):
-                seen.extend([True] * (growing.stat().st_size > most))
+                self.seen = self.file.stat().st_size > self.half
             time.sleep(0.01)
         return function(*arguments)
 
-    class Late(Liar):
-        def submit(self, function, *arguments):
-            if arguments[2] == (study.shard_count - 1,):
-                return pool.submit(once_it_has_grown, function, *arguments)
-            return super().submit(function, *arguments)
 
+def test_the_file_grows_while_shards_are_computed(study, whole, tmp_path):
+    path = tmp_path / "a.h5"
     with ThreadPoolExecutor(1) as pool:
-        sf.sweep(study, path, executor=Late(0))
-    assert seen == [True]
+        late = Late(pool, study, path, len(whole[1]))
+        sf.sweep(study, path, executor=late)
+    assert late.seen
     assert path.read_bytes() == whole[1]
 
 
@@ -160,19 +179,6 @@ def test_a_part_goes_to_an_executor_too(study, whole, tmp_path):
         assert done == [f"shard-{n:06d}.h5" for n in range(0, study.shard_count, 2)]
         sf.sweep(study, path, executor=pool)
     assert path.read_bytes() == whole[1]
-
-
-class Liar:
-    """Says that everything is done, and does nothing the first times it is asked."""
-
-    def __init__(self, lies):
-        self.lies, self.asked = lies, 0
-
-    def submit(self, function, *arguments):
-        self.asked += 1
-        future = Future()
-        future.set_result([0] if self.asked <= self.lies else function(*arguments))
-        return future
 
 
 def test_what_a_worker_says_is_not_believed(study, whole, tmp_path):
@@ -234,17 +240,14 @@ def test_an_executor_that_breaks_in_the_middle_leaves_gaps_that_the_caller_fills
 
 
 def test_what_fails_late_leaves_no_file_begun_and_the_same_call_goes_on(study, whole, tmp_path):
-    class Failing(Liar):
-        def submit(self, function, *arguments):
-            self.lies = 10**9 if arguments[2] == (study.shard_count - 1,) else 0
-            return super().submit(function, *arguments)
-
     path = tmp_path / "a.h5"
-    with pytest.raises(OSError, match=rf"shard {study.shard_count - 1} failed 4 times"):
-        sf.sweep(study, path, executor=Failing(0))
-    left = sorted(file.name for file in parts_of(path).iterdir() if file.name.startswith("."))
-    assert left == []
-    assert len([*parts_of(path).glob("shard-*")]) == study.shard_count - 1
+    with ThreadPoolExecutor(1) as pool:
+        late = Late(pool, study, path, len(whole[1]), last=lambda *task: "no memory")
+        with pytest.raises(OSError, match=rf"shard {late.number} failed 4 times; .*: no memory"):
+            sf.sweep(study, path, executor=late)
+    assert late.seen  # the file was begun
+    assert not [file for file in parts_of(path).iterdir() if file.name.startswith(".")]
+    assert len([*parts_of(path).glob("shard-*")]) == late.number
     sf.sweep(study, path, executor=Liar(0))
     assert path.read_bytes() == whole[1]
 

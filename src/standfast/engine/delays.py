@@ -19,8 +19,8 @@ from standfast.mechanics.matrices import joint_inertia, stiffness_rows
 from standfast.numerics.arrays import Array
 from standfast.quantities import QUANTITIES, Person
 from standfast.stability.delay.answers import OF_STANDING_ALONE, FedBack
-from standfast.stability.delay.crossings import Apply, directly
 from standfast.stability.delay.persons import all_crossings, all_rightmost
+from standfast.stability.delay.problem import Apply, directly
 from standfast.stability.delay.table import Crossings
 from standfast.stability.exact import exact_threshold
 from standfast.study.grid import Group, Tile

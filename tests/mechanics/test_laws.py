@@ -1,7 +1,8 @@
 """Published laws of feedback: their bodies, their units, and what becomes of them.
 
-The delays, roots and eigenvalues below were found apart from the package (polynomials of one or two
-joints, matrix pencils) or stand in the source; they are given to the digits that are compared.
+The delays and roots below are of a recomputation made before the package could do it, eigenvalues
+stand in the source; all are given to the digits that are compared. The argument principle, apart
+from both, counts roots on either side of each critical delay.
 """
 
 import dataclasses

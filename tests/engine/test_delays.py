@@ -1,4 +1,4 @@
-"""Grids of delayed feedback against the functions of one person, and against verdicts of springs."""
+"""Grids of delayed feedback against the functions of one person, and verdicts of springs."""
 
 import itertools
 import math

@@ -54,6 +54,7 @@ def main() -> None:
     blocks = max(persons // BLOCK, 1)
     found: Counter[str] = Counter()
     began = time.perf_counter()
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # a process is a thread
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
         sizes = [min(BLOCK, persons)] * blocks
         samples = [-(-SAMPLE // blocks)] * blocks

@@ -163,10 +163,10 @@ def polished_crossing(
 def rightmost_by_collocation(matrices: np.ndarray, delay: float) -> complex:
     """Return the rightmost root, its imaginary part ≥ 0, by collocation and Newton's method.
 
-    40 nodes resolve ωτ up to about 50. Where the argument principle finds roots right of the best,
-    more nodes are taken.
+    Where the argument principle finds roots right of the best, more nodes are taken: they resolve
+    ωτ up to about as much as they are.
     """
-    for nodes in (40, 80, 160):
+    for nodes in (16, 40, 80, 160):
         roots = roots_by_collocation(matrices, delay, nodes)
         best = roots[np.argmax(roots.real)]
         beside = best.real + 1e-6 * (1.0 + abs(best))

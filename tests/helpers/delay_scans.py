@@ -41,10 +41,11 @@ def expected_inside(table, person: np.ndarray, omega: np.ndarray) -> np.ndarray:
 
 
 def gaps(table, persons: int, highest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Persons and an ω between each two neighbours of 0, their crossings and a bound."""
+    """Persons and an ω below, between and above their crossings, up to a bound."""
+    lowest = highest.copy()
+    np.minimum.at(lowest, table.person, table.frequency)
     person = np.concatenate([np.arange(persons), table.person, np.arange(persons)])
-    omega = np.concatenate([1e-3 * highest, table.frequency, 2.0 * highest])
-    # a crossing below the first ω makes that one the middle of a gap
+    omega = np.concatenate([1e-3 * lowest, table.frequency, 2.0 * highest])
     order = np.lexsort((omega, person))
     person, omega = person[order], omega[order]
     inner = person[1:] == person[:-1]

@@ -142,6 +142,8 @@ def crossings_of(problem: Problem, numbers: np.ndarray, *, apply: Apply = direct
         whole = undelayed(problem.quasi(coefficients[:, who]))
         unstable[who], on_axis[who], neutral[who], uncertain[who] = _settled(np.array(whole))
     if problem.rank == 0:
+        # springs and dampers alone stand where nothing is right of the axis (Kelvin, Tait, Chetaev)
+        on_axis = neutral
         none = np.zeros(0)
         return Crossings(
             unstable, on_axis, neutral, uncertain, none.astype(np.intp), none, none, none

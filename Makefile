@@ -3,7 +3,7 @@
 #   make population a Monte Carlo of US adults into results/us-adults/
 #   make test       set up, then run the tests
 #   make check      format, lint, types, tests
-#   make bench      every benchmark, and results/benchmarks/README.md (about ten minutes)
+#   make bench      every benchmark, and results/benchmarks/README.md (about twenty minutes)
 #   make reproduce  the 2007 paper, number by number
 PYTHON ?= python3
 VENV := .venv
@@ -38,7 +38,7 @@ check: $(VENV)/check.stamp
 	$(MAKE) test
 
 bench: $(VENV)/bench.stamp
-	@for script in verdicts storing peers population growth startup tricks cost report; do \
+	@for script in verdicts storing peers population workers growth startup tricks cost report; do \
 	  $(BIN)/python benchmarks/$$script.py || exit 1; done
 
 format: $(VENV)/check.stamp

@@ -4,6 +4,7 @@ Along the axis of the delay the number of unstable roots changes only at a few p
 delays share is found once on the other axes; tiles that differ in the delay alone share it too.
 """
 
+import math
 import threading
 from collections.abc import Mapping
 from functools import lru_cache
@@ -17,14 +18,16 @@ from standfast.mechanics.feedback import damping_rows, gain_rows
 from standfast.mechanics.matrices import joint_inertia, stiffness_rows
 from standfast.numerics.arrays import Array
 from standfast.quantities import QUANTITIES, Person
-from standfast.stability.delay.answers import FedBack
+from standfast.stability.delay.answers import OF_STANDING_ALONE, FedBack
 from standfast.stability.delay.persons import all_crossings, all_rightmost
+from standfast.stability.delay.problem import Apply, directly
 from standfast.stability.delay.table import Crossings
 from standfast.stability.exact import exact_threshold
 from standfast.study.grid import Group, Tile
 from standfast.study.study import Study
 
 DELAY = "feedback_delay"
+FEW = 1000  # points that are found before anything is compiled
 KEPT = 16  # tables that are kept between tiles
 
 
@@ -37,6 +40,9 @@ class Delays:
         self.place = group.axes.index(DELAY) if DELAY in group.axes else None
         self.fixed_delay = np.array([float(study.fixed.get(DELAY, 0.0))])
         self.answers = [QUANTITIES[name].fed_back for name in group.quantities]
+        self.of_standing_alone = all(answer in OF_STANDING_ALONE for answer in self.answers)
+        points = math.prod(group.shape)
+        self.apply: Apply = in_batches if points > FEW else directly
         self.left_open = 0
         self._lock = threading.Lock()
         # tiles of one table, which differ in the delay, come one after the other or in threads
@@ -79,7 +85,9 @@ class Delays:
         entries = _matrices(self.others)(self.inputs.fixed, self.inputs.pieces(at))
         numbers = np.stack([np.asarray(entry).ravel() for entry in entries]).reshape(5, 3, 3, -1)
         rigid = np.isinf(numbers[2].diagonal()).T
-        table = all_crossings(numbers, rigid, apply=in_batches)
+        table = all_crossings(
+            numbers, rigid, of_standing_alone=self.of_standing_alone, apply=self.apply
+        )
         for person in np.flatnonzero(table.by_springs & table.uncertain):
             place = np.unravel_index(person, sides)
             varying = {
@@ -103,7 +111,7 @@ class Delays:
             np.repeat(numbers, delays.size, axis=-1),
             np.repeat(rigid, delays.size, axis=-1),
             np.tile(delays, persons),
-            apply=in_batches,
+            apply=self.apply,
         )
         self._count(int((~proven).sum()))
         return root.reshape(persons, -1), proven.reshape(persons, -1)

@@ -68,7 +68,7 @@ def map_over_batch(
 
 
 # Persons that are handed to a compiled function at once: small enough for the processor's cache.
-BATCH = 2048
+BATCH = 4096
 
 
 def in_batches(function: Callable[..., Any], problem: Hashable, *arrays: np.ndarray) -> Any:

@@ -149,20 +149,20 @@ class OnCell:
         """
         degree = len(self.coefficients) - 1
         xp = namespace(*self.coefficients)
-        # what is within rounding of 0 may lie beside a change of sign, and nowhere else
-        sign, changes, between = None, 0, None
-        open_ended: Scalar = False
+        # One that is within rounding of 0 may lie beside a change of sign, and nowhere else: two of
+        # them could hide two more changes.
+        known: Scalar = None
+        sign, changes, open_ended = None, 0, False
         for i, coefficient in enumerate(self.coefficients):
             bound = comb(degree, i) * self.error
             up, down = coefficient > bound, coefficient < -bound
+            before, known = known, up | down
             if sign is None:
-                sign, open_ended = up, ~(up | down)
-                between, known = open_ended, up | down
+                sign, open_ended = up, xp.logical_not(known)
                 changes = 0 * xp.where(up, 1, 1)
                 continue
-            known = up | down
             turned = known & (up != sign)
-            open_ended = open_ended | (known & between & ~turned)
+            open_ended = open_ended | xp.logical_not(before | turned)
             changes = changes + xp.where(turned, 1, 0)
-            sign, between = xp.where(known, up, sign), ~known
-        return xp.where(open_ended | ~known | (changes > 1), 2, changes)
+            sign = xp.where(known, up, sign)
+        return xp.where(open_ended | xp.logical_not(known) | (changes > 1), 2, changes)

@@ -68,3 +68,7 @@ def damping_ratio(asked: FedBack) -> np.ndarray:
     ratio: np.ndarray = -asked.roots.real / np.where(size > 0.0, size, 1.0)
     # with three rigid joints nothing moves, and all motion has died out at once
     return np.where(np.isinf(size), 1.0, ratio)
+
+
+# What needs no crossing of a person who does not stand without delay.
+OF_STANDING_ALONE = (critical_delay, delay_margin)

@@ -1,31 +1,29 @@
-"""All crossings of the imaginary axis, of many persons at once, and what follows at any delay.
+"""All crossings of the imaginary axis, of many persons at once.
 
-1. :func:`prepared`: coefficients of the characteristic quasi-polynomial, unstable roots without
-   delay, and a bound above which nothing crosses.
+1. Coefficients of the characteristic quasi-polynomial, unstable roots without delay, and a bound
+   above which nothing crosses.
 2. Cells of x = ω² from 0 to the bound are classified (:func:`.resultant.roots_on_cell`): proven
    empty, proven to hold one crossing, or split. Some 15 cells a person settle all.
 3. Each crossing is narrowed down and polished to ω, θ and its direction.
 
-The functions of step 1 to 3 are pure and work element by element; whoever has them compiled hands
-them in as ``apply``. Arrays have the persons last.
+The functions of each step are those of :mod:`.problem`. Arrays have the persons last.
 """
-
-from collections.abc import Callable
-from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from standfast.numerics.arrays import Array, Scalar, namespace
-from standfast.numerics.polynomials import Polynomial
-from standfast.stability.delay.characteristic import (
-    Matrices,
-    highest_crossing,
-    quasi_polynomial,
-    right_of_axis,
-    undelayed,
+from standfast.stability.delay.characteristic import undelayed
+from standfast.stability.delay.problem import (
+    NOISE,
+    Apply,
+    Problem,
+    classified,
+    directly,
+    evaluated,
+    narrowed,
+    of_one_joint,
+    polished,
+    prepared,
 )
-from standfast.stability.delay.one_joint import OneJoint, crossings
-from standfast.stability.delay.resultant import crossing_at, resultant_at, roots_on_cell
 from standfast.stability.delay.table import TURN, Crossings
 
 # The first cells end at these parts of the bound; each is eight times as wide as the one below.
@@ -37,10 +35,8 @@ NARROWEST = 1e-10  # relative width at which a cell is given up
 # Open cells of one person at once; where R is lost in rounding they double with every split.
 MOST_OPEN = 32
 LOWEST = 1e-12  # of x, part of the bound below which no crossing is looked for
-NARROWING_STEPS = 2  # of Chandrupatla's method in one call
-MOST_NARROWINGS = 30
+FIRST_NARROWINGS, MOST_NARROWINGS = 3, 30  # calls, before Newton's method starts
 NARROW = 1e-8  # relative width from which polishing goes on
-NOISE = 1e-13  # of the scaled resultant
 ROUNDED_UP = 1.0 + 1e-12
 AT_ONCE = 1e-9  # rad of a turn, of roots that lie on the axis without delay
 CANCELLED = 1e-9  # part of the largest entry of C that a pivot may be and be told from 0
@@ -48,95 +44,18 @@ BESIDE = 1e-7  # part of a root that its real part may be where it lies on the a
 SETTLED = 1e-9  # largest last correction of a crossing that counts as found
 
 
-class Problem(NamedTuple):
-    """What is one and the same for all persons of a batch."""
+def crossings_of(
+    problem: Problem,
+    numbers: np.ndarray,
+    *,
+    of_standing_alone: bool = False,
+    apply: Apply = directly,
+) -> Crossings:
+    """Find all crossings of persons whose matrices are ``numbers``, (5, n, n, persons).
 
-    joints: int  # n, free
-    rank: int  # m, of the feedback
-
-    def quasi(self, coefficients: Array) -> list[Polynomial]:
-        """Take the columns of coefficients apart: q0 … qm in rising powers."""
-        found, start = [], 0
-        for order in range(self.rank + 1):
-            stop = start + 2 * self.joints - order + 1
-            found.append([coefficients[row] for row in range(start, stop)])
-            start = stop
-        return found
-
-
-Apply: TypeAlias = Callable[..., Any]
-
-
-def directly(function: Callable[..., Any], problem: Problem, *arrays: np.ndarray) -> Any:
-    """Apply a function to arrays as it is, without compiling."""
-    with np.errstate(all="ignore"):
-        return function(problem, *arrays)
-
-
-def prepared(problem: Problem, numbers: Array) -> tuple[Array, Array, Array, Array]:
-    """Return coefficients, unstable roots without delay, whether they are uncertain, and ω²max.
-
-    ``numbers`` are the matrices of :class:`Matrices`, (5, n, n, persons).
+    ``of_standing_alone`` leaves out those of persons who do not stand without delay, of whom a
+    critical delay needs none.
     """
-    n = problem.joints
-    rows = [[[numbers[k][i][j] for j in range(n)] for i in range(n)] for k in range(5)]
-    matrices = Matrices(*rows)
-    quasi = quasi_polynomial(matrices, problem.rank)
-    unstable, uncertain = right_of_axis(undelayed(quasi))
-    bound = highest_crossing(matrices)
-    xp = namespace(bound)
-    return xp.stack([c for q in quasi for c in q]), unstable, uncertain, bound**2
-
-
-def classified(problem: Problem, coefficients: Array, low: Scalar, high: Scalar) -> Scalar:
-    """Return how many crossings lie in a cell of ω²: 0, 1, or 2 where it must be split."""
-    return roots_on_cell(problem.quasi(coefficients), low, high)
-
-
-def evaluated(problem: Problem, coefficients: Array, x: Scalar) -> Scalar:
-    """Return the scaled resultant at x = ω²."""
-    return resultant_at(problem.quasi(coefficients), x)
-
-
-def narrowed(problem: Problem, coefficients: Array, state: Array) -> Array:
-    """Return a bracket of a root after some steps of Chandrupatla's method.
-
-    ``state`` has the rows x1, f1 (the newest), x2, f2 (of the other sign), x3, f3 (the one before).
-    Chandrupatla, Adv. Eng. Softw. 28 (1997) 145-149: inverse quadratic interpolation where that is
-    safe, else bisection.
-    """
-    quasi = problem.quasi(coefficients)
-    x1, f1, x2, f2, x3, f3 = (state[row] for row in range(6))
-    xp = namespace(x1)
-    for _ in range(NARROWING_STEPS):
-        xi, phi = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
-        safe = (phi**2 < xi) & ((1.0 - phi) ** 2 < 1.0 - xi)
-        t = f1 / (f2 - f1) * f3 / (f2 - f3)
-        t = t + (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
-        t = xp.where(safe & xp.isfinite(t), t, 0.5)
-        least = 2.0**-53 * xp.maximum(abs(x1), abs(x2)) / abs(x2 - x1)
-        t = xp.clip(t, least, 1.0 - least)
-        x = x1 + t * (x2 - x1)
-        f = resultant_at(quasi, x)
-        # in rounding's reach a compiler may find two signs of one number
-        done = abs(f1) < NOISE
-        same = (f > 0.0) == (f1 > 0.0)
-        older, other = xp.where(same, x1, x2), xp.where(same, x2, x1)
-        f_older, f_other = xp.where(same, f1, f2), xp.where(same, f2, f1)
-        x3, f3 = xp.where(done, x3, older), xp.where(done, f3, f_older)
-        x2, f2 = xp.where(done, x2, other), xp.where(done, f2, f_other)
-        x1, f1 = xp.where(done, x1, x), xp.where(done, f1, f)
-    return xp.stack([x1, f1, x2, f2, x3, f3])
-
-
-def polished(problem: Problem, coefficients: Array, x: Scalar) -> Array:
-    """Return ω, θ, direction and last correction of crossings, (4, …)."""
-    found = crossing_at(problem.quasi(coefficients), x)
-    return namespace(x).stack(found)
-
-
-def crossings_of(problem: Problem, numbers: np.ndarray, *, apply: Apply = directly) -> Crossings:
-    """Find all crossings of persons whose matrices are ``numbers``, (5, n, n, persons)."""
     if problem.rank == 0:
         return _without_feedback(numbers[2])
     coefficients, unstable, open_, bound = map(np.asarray, apply(prepared, problem, numbers))
@@ -149,13 +68,10 @@ def crossings_of(problem: Problem, numbers: np.ndarray, *, apply: Apply = direct
     if problem.joints == 1:
         person, frequency, angle, direction = _in_closed_form(problem, numbers, apply)
         return Crossings(*known, person, frequency, angle, direction)
-    person, low, high = _isolated(problem, coefficients, bound, uncertain, apply)
-    x = _narrowed(problem, coefficients[:, person], low, high, apply)
-    frequency, angle, direction, correction = np.asarray(
-        apply(polished, problem, coefficients[:, person], x)
-    )
-    inside = (low <= frequency**2 * ROUNDED_UP) & (frequency**2 <= high * ROUNDED_UP)
-    uncertain[person[~(correction < SETTLED) | ~inside | (direction == 0.0)]] = True
+    persons = np.flatnonzero((unstable == 0) | uncertain if of_standing_alone else unstable >= 0)
+    person, low, high = _isolated(problem, coefficients, bound, persons, uncertain, apply)
+    frequency, angle, direction, lost = _located(problem, coefficients[:, person], low, high, apply)
+    uncertain[person[lost]] = True
     # roots on the axis without delay leave it at once, to the right or to the left
     at_once = on_axis[person] & ((angle < AT_ONCE) | (angle > TURN - AT_ONCE))
     angle = np.where(at_once, np.where(direction > 0.0, 0.0, TURN), angle)
@@ -193,13 +109,6 @@ def _without_feedback(stiffness: np.ndarray) -> Crossings:
     )
 
 
-def of_one_joint(problem: Problem, numbers: Array) -> Array:
-    """Return ω and θ to the right, then to the left, of one free joint, (4, persons)."""
-    del problem
-    found = crossings(OneJoint(*(matrix[0][0] for matrix in numbers)))
-    return namespace(*found).stack(found)
-
-
 def _in_closed_form(
     problem: Problem, numbers: np.ndarray, apply: Apply
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -227,16 +136,17 @@ def _isolated(
     problem: Problem,
     coefficients: np.ndarray,
     bound: np.ndarray,
+    persons: np.ndarray,
     uncertain: np.ndarray,
     apply: Apply,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return persons and ends of cells that hold one crossing each; note who stays uncertain."""
     cells = len(FIRST_CELLS) - 1
-    person = np.tile(np.arange(bound.size), cells)
-    low = (np.array(FIRST_CELLS[:-1])[:, None] * bound).ravel()
-    high = (np.array(FIRST_CELLS[1:])[:, None] * bound).ravel()
-    found = []
-    while person.size:
+    person = np.tile(persons, cells)
+    low = (np.array(FIRST_CELLS[:-1])[:, None] * bound[persons]).ravel()
+    high = (np.array(FIRST_CELLS[1:])[:, None] * bound[persons]).ravel()
+    found: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+    while person.size or not found:
         count = np.asarray(apply(classified, problem, coefficients[:, person], low, high))
         one, split = count == 1, count == 2
         found.append((person[one], low[one], high[one]))
@@ -254,25 +164,48 @@ def _isolated(
     return person, low, high
 
 
-def _narrowed(
+def _located(
     problem: Problem,
     coefficients: np.ndarray,
     low: np.ndarray,
     high: np.ndarray,
     apply: Apply,
-) -> np.ndarray:
-    """Return the root of R in each cell."""
-    x: np.ndarray = 0.5 * (low + high)
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return ω, θ and direction of the crossing in each cell, and whether it was not found.
+
+    A cell holds one, so what Newton's method comes to within it is that one: it starts once the
+    resultant is small, and again from a narrow bracket where that was too early.
+    """
     f_low = np.asarray(apply(evaluated, problem, coefficients, low))
     f_high = np.asarray(apply(evaluated, problem, coefficients, high))
     state = np.stack([high, f_high, low, f_low, low, f_low])
+    found = np.full((4, low.size), np.nan)
     active = np.arange(low.size)
-    for _ in range(MOST_NARROWINGS):
+    for calls in (FIRST_NARROWINGS, MOST_NARROWINGS):
+        own = coefficients if active.size == low.size else coefficients[:, active]
+        state = _narrowed(problem, own, state, calls, apply)
+        x = np.where(abs(state[1]) < abs(state[3]), state[0], state[2])
+        found[:, active] = np.asarray(apply(polished, problem, own, x))
+        frequency, _, direction, correction = found
+        inside = (low <= frequency**2 * ROUNDED_UP) & (frequency**2 <= high * ROUNDED_UP)
+        lost = ~(correction < SETTLED) | ~inside | (direction == 0.0)
+        state = state[:, lost[active]]
+        active = np.flatnonzero(lost)
+    return found[0], found[1], found[2], lost
+
+
+def _narrowed(
+    problem: Problem, coefficients: np.ndarray, state: np.ndarray, calls: int, apply: Apply
+) -> np.ndarray:
+    """Return brackets after some calls of :func:`narrowed`; what is narrow stays as it is."""
+    state = state.copy()
+    active = np.arange(state.shape[1])
+    for _ in range(calls):
         if not active.size:
             break
-        state = np.asarray(apply(narrowed, problem, coefficients[:, active], state))
-        best = np.where(abs(state[1]) < abs(state[3]), state[0], state[2])
-        x[active] = best
-        going_on = (abs(state[0] - state[2]) > NARROW * best) & (abs(state[1]) > NOISE)
-        active, state = active[going_on], state[:, going_on]
-    return x
+        own = coefficients if active.size == state.shape[1] else coefficients[:, active]
+        state[:, active] = np.asarray(apply(narrowed, problem, own, state[:, active]))
+        size = np.abs(state[0, active] - state[2, active])
+        wide = (size > NARROW * state[0, active]) & (np.abs(state[1, active]) > NOISE)
+        active = active[wide]
+    return state

@@ -64,13 +64,13 @@ class Crossings:
     def unstable_at(self, delays: np.ndarray) -> np.ndarray:
         """Return the number of roots with a positive real part, (persons, rising delays)."""
         places = len(delays) + 1
-        changes = np.zeros(len(self.unstable) * places, np.int32)
+        changes = np.zeros(len(self.unstable) * places, np.int16)
         changes[::places] = self.unstable
         for person, delay, change in self.passages(float(delays[-1])):
             # at the very delay of a crossing the root lies on the axis
             at = person * places + np.searchsorted(delays, delay, side="right")
-            changes += np.bincount(at, change, changes.size).astype(np.int32)
-        return np.cumsum(changes.reshape(-1, places)[:, :-1], axis=1, dtype=np.int32)
+            np.add.at(changes, at, change.astype(np.int16))
+        return np.cumsum(changes.reshape(-1, places)[:, :-1], axis=1, dtype=np.int16)
 
     def stable_at(self, delays: np.ndarray) -> np.ndarray:
         """Return whether persons stand at rising delays, (persons, delays), bool.

@@ -1,5 +1,6 @@
 # Everything a checkout needs, on a machine with Python 3.11 or newer and make.
 #   make atlas      set up, then the dense atlas of the nominal adult into results/atlas/
+#   make feedback   figures of delayed feedback and of coupled joints into results/feedback/
 #   make population a Monte Carlo of US adults into results/us-adults/
 #   make test       set up, then run the tests
 #   make check      format, lint, types, tests
@@ -9,7 +10,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: atlas population test check bench reproduce format clean
+.PHONY: atlas feedback population test check bench reproduce format clean
 .DELETE_ON_ERROR:
 
 atlas: $(VENV)/run.stamp
@@ -17,6 +18,12 @@ atlas: $(VENV)/run.stamp
 	$(BIN)/standfast sweep studies/atlas.toml -o results/atlas/atlas.h5
 	$(BIN)/standfast thresholds results/atlas/atlas.h5 -o results/atlas
 	$(BIN)/standfast plot results/atlas/atlas.h5 -o results/atlas
+
+feedback: $(VENV)/run.stamp
+	mkdir -p results/feedback
+	@for study in feedback delay-margin passive-support windows root-locus coupling; do \
+	  $(BIN)/standfast sweep studies/$$study.toml -o results/feedback/$$study.h5 && \
+	  $(BIN)/standfast plot results/feedback/$$study.h5 -o results/feedback || exit 1; done
 
 population: $(VENV)/run.stamp
 	mkdir -p results/us-adults

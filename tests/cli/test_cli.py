@@ -45,9 +45,10 @@ def test_help_has_an_example_and_imports_neither_jax_nor_matplotlib():
     assert "example: standfast reproduce" in result.stdout
 
 
-def test_a_gain_per_degree_is_noted_and_done(tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize("gain", ["15", "[5, 15]", "{ start = 0, stop = 15, num = 4 }"])
+def test_a_gain_per_degree_is_noted_and_done(tmp_path, monkeypatch, capsys, gain):
     monkeypatch.chdir(tmp_path)
-    content = toml_of(GOOD) + "[feedback.proportional]\nankle = 15\n"
+    content = toml_of(GOOD) + f"[feedback.proportional]\nankle = {gain}\n"
     (tmp_path / "study.toml").write_text(content, encoding="utf-8")
     main(["sweep", "study.toml"])
     assert "if it is meant in N·m per degree, write 859.5" in capsys.readouterr().err

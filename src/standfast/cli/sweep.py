@@ -9,6 +9,7 @@ from standfast.cli.parsing import add_command
 from standfast.cli.running import add_run_options, output_of, run_shards
 from standfast.files import in_bytes
 from standfast.mechanics.feedback import likely_per_degree
+from standfast.parameters import GAINS
 from standfast.study.study import Study
 
 
@@ -26,7 +27,8 @@ def add(commands: Any) -> None:
 
 def _sweep(options: argparse.Namespace) -> None:
     study = Study.from_toml(options.study)
-    if note := likely_per_degree(study.parameters):
+    largest = {name: float(axis.max()) for name, axis in study.axes.items() if name in GAINS}
+    if note := likely_per_degree({**study.fixed, **largest}):
         print(f"standfast: {note}", file=sys.stderr)
     output = output_of(options)
     if output.exists() and options.part is None:

@@ -42,7 +42,8 @@ class Parameter:
     @property
     def label(self) -> str:
         """Axis label of a figure: words, symbol and unit."""
-        return label(self.name.replace("_", " "), self.symbol, self.unit)
+        words = self.name.replace("_", " ") if self.symbol else self.name.upper()
+        return label(words, self.symbol, self.unit)
 
     @property
     def place(self) -> str:

@@ -11,6 +11,7 @@ The functions of each step are those of :mod:`.problem`. Arrays have the persons
 
 import numpy as np
 
+from standfast.numerics.polynomials import all_roots
 from standfast.stability.delay.characteristic import undelayed
 from standfast.stability.delay.problem import (
     NOISE,
@@ -58,12 +59,13 @@ def crossings_of(
     """
     if problem.rank == 0:
         return _without_feedback(numbers[2])
-    coefficients, unstable, open_, bound = map(np.asarray, apply(prepared, problem, numbers))
-    unstable, uncertain = unstable.astype(np.int32), open_.astype(bool)
+    coefficients, unstable, left, bound = map(np.asarray, apply(prepared, problem, numbers))
+    unstable, uncertain = unstable.astype(np.int32), left.astype(bool)
     on_axis, neutral, nobody = (np.zeros_like(uncertain) for _ in range(3))
-    for who in np.flatnonzero(uncertain):
-        whole = undelayed(problem.quasi(coefficients[:, who]))
-        unstable[who], on_axis[who], neutral[who], uncertain[who] = _settled(np.array(whole))
+    open_ = np.flatnonzero(uncertain)
+    if open_.size:
+        whole = np.array(undelayed(problem.quasi(coefficients[:, open_])))
+        unstable[open_], on_axis[open_], neutral[open_], uncertain[open_] = _settled(whole)
     known = (unstable, on_axis, neutral, uncertain, nobody)
     if problem.joints == 1:
         person, frequency, angle, direction = _in_closed_form(problem, numbers, apply)
@@ -118,18 +120,19 @@ def _in_closed_form(
     return person, frequency, angle, np.where(way == 0, 1.0, -1.0)
 
 
-def _settled(polynomial: np.ndarray) -> tuple[int, bool, bool, bool]:
-    """Count the roots right of the axis where Routh's array leaves it open.
+def _settled(whole: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Count the roots right of the axis where Routh's array leaves it open; (powers, persons).
 
     Returns also whether some lie on it, whether 0 is one, and whether that is uncertain: it is not
     where all powers are even, because nothing damps.
     """
-    roots = np.roots(polynomial[::-1])
-    size = np.abs(roots).max(initial=0.0)
-    beside = np.abs(roots.real) <= BESIDE * np.maximum(np.abs(roots), BESIDE * size)
-    right = int(np.count_nonzero((roots.real > 0.0) & ~beside))
-    neutral = bool(polynomial[0] == 0.0 or (np.abs(roots) <= BESIDE * size).any())
-    return right, bool(beside.any()), neutral, neutral or bool(np.any(polynomial[1::2]))
+    roots = all_roots(whole)
+    distance = np.abs(roots)
+    size = distance.max(axis=1, keepdims=True)
+    beside = np.abs(roots.real) <= BESIDE * np.maximum(distance, BESIDE * size)
+    right = np.count_nonzero((roots.real > 0.0) & ~beside, axis=1)
+    neutral = (whole[0] == 0.0) | (distance <= BESIDE * size).any(axis=1)
+    return right, beside.any(axis=1), neutral, neutral | whole[1::2].any(axis=0)
 
 
 def _isolated(

@@ -14,6 +14,8 @@ notation: A inertia, B damping, C stiffness less gravity, P and D gains, τ dela
 import numpy as np
 
 from standfast.numerics.arrays import Array, Scalar, namespace
+from standfast.numerics.polynomials import all_roots
+from standfast.stability.delay.characteristic import undelayed
 from standfast.stability.delay.crossings import crossings_of
 from standfast.stability.delay.problem import Apply, Problem, directly, prepared
 from standfast.stability.delay.resultant import slopes
@@ -145,16 +147,9 @@ class _Search:
         Fast falls are over before the feedback arrives, and so are near the latter.
         """
         quasi = self.problem.quasi(self.coefficients[:, persons])
-        whole = np.zeros((len(quasi[0]), persons.size))
-        for q in quasi:
-            whole[: len(q)] += q
-        for rows in (whole, np.array(quasi[0])):
-            size = len(rows) - 1
-            companion = np.zeros((persons.size, size, size))
-            companion[:, np.arange(1, size), np.arange(size - 1)] = 1.0
-            companion[:, :, -1] = -(rows[:-1] / rows[-1]).T
-            roots = np.linalg.eigvals(companion)
-            self._improve(np.repeat(persons, size), roots.ravel())
+        for polynomial in (undelayed(quasi), quasi[0]):
+            roots = all_roots(np.array(polynomial))
+            self._improve(np.repeat(persons, roots.shape[1]), roots.ravel())
 
     def _improve(self, whose: np.ndarray, s: np.ndarray) -> None:
         """Take candidates to roots by Newton's method; keep each person's rightmost."""

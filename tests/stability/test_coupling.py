@@ -437,7 +437,7 @@ def test_derivatives_are_those_of_differences(name):
         if math.isinf(at[person, i]):
             assert slopes[person, i] == 0.0
         elif math.isfinite(here[person]):
-            wanted = (up - down)[person, i] / (2.0 * sizes[person, i])
+            wanted = (up[person, i] - down[person, i]) / (2.0 * sizes[person, i])
             least = 1e-9 * abs(here[person]) / 100.0
             assert slopes[person, i] == pytest.approx(wanted, rel=GRADIENT_RTOL, abs=least)
             compared += 1

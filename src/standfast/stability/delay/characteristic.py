@@ -82,7 +82,7 @@ def right_of_axis(polynomial: Polynomial) -> tuple[Scalar, Scalar]:
     changes, uncertain = 0, abs(upper[0][0]) <= upper[0][1]
     while lower:
         (head, head_error), (pivot, pivot_error) = upper[0], lower[0]
-        uncertain = uncertain | ~(abs(pivot) > pivot_error)
+        uncertain = uncertain | xp.logical_not(abs(pivot) > pivot_error)
         changes = changes + xp.where((pivot > 0.0) != (head > 0.0), 1, 0)
         safe = xp.where(pivot == 0.0, 1.0, pivot)
         ratio = head / safe

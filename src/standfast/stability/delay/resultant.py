@@ -196,5 +196,6 @@ def slopes(quasi: Sequence[Polynomial], s: Scalar, z: Scalar) -> tuple[Scalar, S
     """Return Δ, ∂Δ/∂s and ∂Δ/∂z."""
     values = [value_at(q, s) for q in quasi]
     slopes = [value_at([k * c for k, c in enumerate(q)][1:], s) for q in quasi]
+    # without feedback there is q0 alone
     by_z = value_at([k * v for k, v in enumerate(values)][1:] or [0.0 * z], z)
     return value_at(values, z), value_at(slopes, z), by_z

@@ -173,6 +173,8 @@ def _plane_figure(
         limits, shades = (low - 0.5, high + 0.5), high - low + 1
     mesh = None
     with _small_multiples(axes, titles, chosen, 2.9) as (figure, panes):
+        # a person who stands at every delay has the colour of the longest
+        ends = limits[1] + 1.0 if name in CONTOURED else np.inf
         for ax, inside, stable in zip(panes, coloured, stands, strict=False):
             if name == "hip_ankle_ratio" and stable is not None:
                 standing.strategy_regions(ax, x, y, inside, stable)
@@ -181,7 +183,7 @@ def _plane_figure(
                     ax,
                     x,
                     y,
-                    inside,
+                    np.where(np.isposinf(inside), ends, inside),
                     limits=limits,
                     stable=stable,
                     shades=shades,

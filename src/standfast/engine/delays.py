@@ -13,8 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from standfast.engine.mapping import Inputs, along_axis, in_batches, map_over_grid
-from standfast.mechanics.feedback import damping_rows, gain_rows
-from standfast.mechanics.matrices import joint_inertia, stiffness_rows
+from standfast.mechanics.feedback import equation_of
 from standfast.numerics.arrays import Array
 from standfast.quantities import QUANTITIES, Person
 from standfast.stability.delay.answers import FedBack
@@ -119,13 +118,7 @@ def _matrices(axes: tuple[str, ...]) -> Any:
 
     def of_one(given: dict[str, Any]) -> tuple[Array, ...]:
         person = Person.of(given)
-        parts = (
-            joint_inertia(person.body),
-            damping_rows(person.given),
-            stiffness_rows(person.body, person.stiffness, person.gravity),
-            gain_rows(person.given, "proportional"),
-            gain_rows(person.given, "derivative"),
-        )
+        parts = equation_of(person.body, person.stiffness, person.gravity, person.given)
         entries = (entry for part in parts for row in part for entry in row)
         return tuple(jnp.asarray(entry, jnp.float64) for entry in entries)
 

@@ -135,8 +135,14 @@ def polished(problem: Problem, coefficients: Array, x: Scalar) -> Array:
     return namespace(x).stack(found)
 
 
-def crossings_of(problem: Problem, numbers: np.ndarray, *, apply: Apply = directly) -> Crossings:
-    """Find all crossings of persons whose matrices are ``numbers``, (5, n, n, persons)."""
+def crossings_of(
+    problem: Problem, numbers: np.ndarray, *, hopeless: bool = True, apply: Apply = directly
+) -> Crossings:
+    """Find all crossings of persons whose matrices are ``numbers``, (5, n, n, persons).
+
+    Without ``hopeless`` those of persons who stand at no delay may be missing: real roots cross
+    only at 0, so that an odd number of roots to the right stays odd.
+    """
     if problem.rank == 0:
         return _without_feedback(numbers[2])
     coefficients, unstable, open_, bound = map(np.asarray, apply(prepared, problem, numbers))
@@ -149,7 +155,9 @@ def crossings_of(problem: Problem, numbers: np.ndarray, *, apply: Apply = direct
     if problem.joints == 1:
         person, frequency, angle, direction = _in_closed_form(problem, numbers, apply)
         return Crossings(*known, person, frequency, angle, direction)
-    person, low, high = _isolated(problem, coefficients, bound, uncertain, apply)
+    never = neutral | (unstable % 2 == 1) & ~uncertain
+    asked = np.flatnonzero(~never | hopeless)
+    person, low, high = _isolated(problem, coefficients, bound, asked, uncertain, apply)
     x = _narrowed(problem, coefficients[:, person], low, high, apply)
     frequency, angle, direction, correction = np.asarray(
         apply(polished, problem, coefficients[:, person], x)
@@ -227,15 +235,16 @@ def _isolated(
     problem: Problem,
     coefficients: np.ndarray,
     bound: np.ndarray,
+    who: np.ndarray,
     uncertain: np.ndarray,
     apply: Apply,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return persons and ends of cells that hold one crossing each; note who stays uncertain."""
     cells = len(FIRST_CELLS) - 1
-    person = np.tile(np.arange(bound.size), cells)
-    low = (np.array(FIRST_CELLS[:-1])[:, None] * bound).ravel()
-    high = (np.array(FIRST_CELLS[1:])[:, None] * bound).ravel()
-    found = []
+    person = np.tile(who, cells)
+    low = (np.array(FIRST_CELLS[:-1])[:, None] * bound[who]).ravel()
+    high = (np.array(FIRST_CELLS[1:])[:, None] * bound[who]).ravel()
+    found = [(person[:0], low[:0], high[:0])]
     while person.size:
         count = np.asarray(apply(classified, problem, coefficients[:, person], low, high))
         one, split = count == 1, count == 2

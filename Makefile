@@ -1,7 +1,7 @@
 # Everything a checkout needs, on a machine with Python 3.11 or newer and make.
 #   make atlas      set up, then the dense atlas of the nominal adult into results/atlas/
 #   make feedback   figures of delayed feedback and of coupled joints into results/feedback/
-#   make population a Monte Carlo of US adults into results/us-adults/
+#   make population Monte Carlos of US adults into results/us-adults/ and results/us-adults-feedback/
 #   make test       set up, then run the tests
 #   make check      format, lint, types, tests
 #   make bench      every benchmark, and results/benchmarks/README.md (about twenty minutes)
@@ -31,6 +31,12 @@ population: $(VENV)/run.stamp
 	$(BIN)/standfast population studies/us-adults.toml -o results/us-adults/us-adults.h5 \
 	  > results/us-adults/us-adults.txt
 	cat results/us-adults/us-adults.txt
+	mkdir -p results/us-adults-feedback
+	rm -f results/us-adults-feedback/us-adults-feedback.h5
+	$(BIN)/standfast population studies/us-adults-feedback.toml \
+	  -o results/us-adults-feedback/us-adults-feedback.h5 \
+	  > results/us-adults-feedback/us-adults-feedback.txt
+	cat results/us-adults-feedback/us-adults-feedback.txt
 
 reproduce: $(VENV)/run.stamp
 	$(BIN)/standfast reproduce

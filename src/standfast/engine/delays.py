@@ -14,11 +14,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from standfast.engine.mapping import Inputs, along_axis, in_batches, map_over_grid
-from standfast.mechanics.feedback import damping_rows, gain_rows
-from standfast.mechanics.matrices import joint_inertia, stiffness_rows
+from standfast.mechanics.feedback import equation_of
 from standfast.numerics.arrays import Array
 from standfast.quantities import QUANTITIES, Person
-from standfast.stability.delay.answers import OF_STANDING_ALONE, FedBack
+from standfast.stability.delay.answers import FedBack, of_whom
 from standfast.stability.delay.persons import all_crossings, all_rightmost
 from standfast.stability.delay.problem import Apply, directly
 from standfast.stability.delay.table import Crossings
@@ -40,7 +39,7 @@ class Delays:
         self.place = group.axes.index(DELAY) if DELAY in group.axes else None
         self.fixed_delay = np.array([float(study.fixed.get(DELAY, 0.0))])
         self.answers = [QUANTITIES[name].fed_back for name in group.quantities]
-        self.of_standing_alone = all(answer in OF_STANDING_ALONE for answer in self.answers)
+        self.of = of_whom(self.answers)
         points = math.prod(group.shape)
         self.apply: Apply = in_batches if points > FEW else directly
         self.left_open = 0
@@ -85,9 +84,7 @@ class Delays:
         entries = _matrices(self.others)(self.inputs.fixed, self.inputs.pieces(at))
         numbers = np.stack([np.asarray(entry).ravel() for entry in entries]).reshape(5, 3, 3, -1)
         rigid = np.isinf(numbers[2].diagonal()).T
-        table = all_crossings(
-            numbers, rigid, of_standing_alone=self.of_standing_alone, apply=self.apply
-        )
+        table = all_crossings(numbers, rigid, of=self.of, apply=self.apply)
         for person in np.flatnonzero(table.by_springs & table.uncertain):
             place = np.unravel_index(person, sides)
             varying = {
@@ -127,13 +124,7 @@ def _matrices(axes: tuple[str, ...]) -> Any:
 
     def of_one(given: dict[str, Any]) -> tuple[Array, ...]:
         person = Person.of(given)
-        parts = (
-            joint_inertia(person.body),
-            damping_rows(person.given),
-            stiffness_rows(person.body, person.stiffness, person.gravity),
-            gain_rows(person.given, "proportional"),
-            gain_rows(person.given, "derivative"),
-        )
+        parts = equation_of(person.body, person.stiffness, person.gravity, person.given)
         entries = (entry for part in parts for row in part for entry in row)
         return tuple(jnp.asarray(entry, jnp.float64) for entry in entries)
 

@@ -1,7 +1,6 @@
 """The rows of quantities that damping and delayed feedback decide."""
 
-from standfast.mechanics.feedback import damping_rows, delay_of, gain_rows
-from standfast.mechanics.matrices import joint_inertia, stiffness_rows
+from standfast.mechanics.feedback import delay_of, equation_of
 from standfast.numerics.arrays import namespace
 from standfast.quantities.row import Person, Quantity
 from standfast.stability.delay import answers, one_joint
@@ -9,13 +8,7 @@ from standfast.stability.delay import answers, one_joint
 
 def joint_of(person: Person) -> one_joint.OneJoint:
     """Return the one joint of a person that is not rigid."""
-    parts = (
-        joint_inertia(person.body),
-        damping_rows(person.given),
-        stiffness_rows(person.body, person.stiffness, person.gravity),
-        gain_rows(person.given, "proportional"),
-        gain_rows(person.given, "derivative"),
-    )
+    parts = equation_of(person.body, person.stiffness, person.gravity, person.given)
     xp = namespace(*person.stiffness.joints)
     rigid = [xp.isinf(k) for k in person.stiffness.joints]
     entries = (sum(xp.where(rigid[i], 0.0, part[i][i]) for i in range(3)) for part in parts)

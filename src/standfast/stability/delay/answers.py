@@ -3,12 +3,14 @@
 An answer has the shape (persons,), or (persons, delays) where it depends on the delay.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import get_args
 
 import numpy as np
 
+from standfast.stability.delay.problem import Whom
 from standfast.stability.delay.table import Crossings
 
 
@@ -70,5 +72,16 @@ def damping_ratio(asked: FedBack) -> np.ndarray:
     return np.where(np.isinf(size), 1.0, ratio)
 
 
-# What needs no crossing of a person who does not stand without delay.
-OF_STANDING_ALONE = (critical_delay, delay_margin)
+# Of whom an answer needs the crossings, if not of everybody.
+OF_WHOM: dict[Callable[[FedBack], np.ndarray], Whom] = {
+    critical_delay: "who stands at once",
+    delay_margin: "who stands at once",
+    stands: "who may stand",
+}
+
+
+def of_whom(answers: Iterable[Callable[[FedBack], np.ndarray] | None]) -> Whom:
+    """Return of whom some answers together need the crossings."""
+    few_to_all: tuple[Whom, ...] = get_args(Whom)
+    needs = [OF_WHOM.get(answer, "everybody") if answer else "everybody" for answer in answers]
+    return max(needs, key=few_to_all.index)

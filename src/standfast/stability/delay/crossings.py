@@ -17,6 +17,7 @@ from standfast.stability.delay.problem import (
     NOISE,
     Apply,
     Problem,
+    Whom,
     classified,
     directly,
     evaluated,
@@ -49,13 +50,13 @@ def crossings_of(
     problem: Problem,
     numbers: np.ndarray,
     *,
-    of_standing_alone: bool = False,
+    of: Whom = "everybody",
     apply: Apply = directly,
 ) -> Crossings:
     """Find all crossings of persons whose matrices are ``numbers``, (5, n, n, persons).
 
-    ``of_standing_alone`` leaves out those of persons who do not stand without delay, of whom a
-    critical delay needs none.
+    A critical delay needs crossings ``of`` who stands at once, without delay, a verdict of who may
+    stand at any; those of others may be missing.
     """
     if problem.rank == 0:
         return _without_feedback(numbers[2])
@@ -70,7 +71,7 @@ def crossings_of(
     if problem.joints == 1:
         person, frequency, angle, direction = _in_closed_form(problem, numbers, apply)
         return Crossings(*known, person, frequency, angle, direction)
-    persons = np.flatnonzero((unstable == 0) | uncertain if of_standing_alone else unstable >= 0)
+    persons = np.flatnonzero(_asked(of, unstable, neutral) | uncertain)
     person, low, high = _isolated(problem, coefficients, bound, persons, uncertain, apply)
     frequency, angle, direction, lost = _located(problem, coefficients[:, person], low, high, apply)
     uncertain[person[lost]] = True
@@ -78,6 +79,17 @@ def crossings_of(
     at_once = on_axis[person] & ((angle < AT_ONCE) | (angle > TURN - AT_ONCE))
     angle = np.where(at_once, np.where(direction > 0.0, 0.0, TURN), angle)
     return Crossings(*known, person, frequency, angle, direction)
+
+
+def _asked(of: Whom, unstable: np.ndarray, neutral: np.ndarray) -> np.ndarray:
+    """Return of whom crossings are looked for."""
+    everybody = np.ones(unstable.shape, bool)
+    asked: np.ndarray = {
+        "who stands at once": (unstable == 0) & ~neutral,
+        "who may stand": (unstable % 2 == 0) & ~neutral,
+        "everybody": everybody,
+    }[of]
+    return asked
 
 
 def _without_feedback(stiffness: np.ndarray) -> Crossings:

@@ -12,7 +12,7 @@ import numpy as np
 
 from standfast.numerics.arrays import ROUNDOFF
 from standfast.stability.delay.crossings import crossings_of
-from standfast.stability.delay.problem import Apply, Problem, directly
+from standfast.stability.delay.problem import Apply, Problem, Whom, directly
 from standfast.stability.delay.rightmost import rightmost_roots
 from standfast.stability.delay.table import Crossings
 
@@ -24,20 +24,20 @@ def all_crossings(
     numbers: np.ndarray,
     rigid: np.ndarray,
     *,
-    of_standing_alone: bool = False,
+    of: Whom = "everybody",
     apply: Apply = directly,
 ) -> Crossings:
     """Return the crossings of persons with any joints rigid.
 
     ``numbers`` holds A, B, C, P, D, (5, 3, 3, persons), in which rows and columns of a rigid joint
-    may be anything; ``rigid`` is (3, persons). Options are those of :func:`crossings_of`.
+    may be anything; ``rigid`` is (3, persons). Others as of :func:`crossings_of`.
     """
     persons = numbers.shape[-1]
     unstable = np.zeros(persons, np.int32)
     marks = np.zeros((4, persons), bool)
     tables = []
     for problem, who, reduced in _problems(numbers, rigid):
-        found = crossings_of(problem, reduced, of_standing_alone=of_standing_alone, apply=apply)
+        found = crossings_of(problem, reduced, of=of, apply=apply)
         unstable[who] = found.unstable
         marks[:, who] = found.on_axis, found.neutral, found.uncertain, found.by_springs
         tables.append((who[found.person], found.frequency, found.angle, found.direction))

@@ -5,7 +5,7 @@ with the persons last. Whoever has them compiled hands them in as ``apply``.
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -40,6 +40,10 @@ class Problem(NamedTuple):
             start = stop
         return found
 
+
+# Of whom crossings are wanted, from few to all. Real roots cross at 0 alone, so that an odd number
+# of roots to the right stays odd: such a person stands at no delay.
+Whom: TypeAlias = Literal["who stands at once", "who may stand", "everybody"]
 
 Apply: TypeAlias = Callable[..., Any]
 

@@ -61,6 +61,17 @@ class Crossings:
         found = np.bincount(self.person, change, minlength=len(self.unstable))
         return self.unstable + np.rint(found).astype(np.int32)
 
+    def stable_each(self, delay: np.ndarray) -> np.ndarray:
+        """Return whether each person stands at its own delay, bool, as :meth:`stable_at`."""
+        stable: np.ndarray = (self.unstable_each(delay) == 0) & ~self.neutral
+        stable &= ~self.on_axis | (delay > 0.0)
+        own = delay[self.person]
+        turns = np.maximum(np.rint((own * self.frequency - self.angle) / TURN), 0.0)
+        crossing = (self.angle + turns * TURN) / self.frequency
+        on_axis = (crossing / CROSSING <= own) & (own <= crossing * CROSSING)
+        stable[self.person[on_axis]] = False
+        return stable
+
     def unstable_at(self, delays: np.ndarray) -> np.ndarray:
         """Return the number of roots with a positive real part, (persons, rising delays)."""
         places = len(delays) + 1

@@ -10,7 +10,8 @@ from harness import RESULTS, ROOT
 from standfast.figures import style
 
 ORDER = (
-    "verdicts", "storing", "peers", "population", "workers", "growth", "startup", "tricks", "cost",
+    "verdicts", "storing", "peers", "feedback", "population", "workers", "growth", "startup",
+    "tricks", "cost",
 )  # fmt: skip
 HEAD = """# Benchmarks
 

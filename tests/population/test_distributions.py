@@ -13,7 +13,7 @@ from standfast.mechanics.matrices import joint_gravity
 from standfast.parameters import JOINTS
 from standfast.population.cohort.cohort import cohort_of
 from standfast.population.cohort.persons import outcome
-from standfast.population.people.builtin import READY_DISTRIBUTIONS
+from standfast.population.people.builtin import READY_DELAYS, READY_DISTRIBUTIONS
 from standfast.population.people.distributions import checked_distribution
 
 SIZE = 2**16
@@ -84,9 +84,11 @@ def test_loads_are_those_of_the_scaled_body():
 
 
 def test_every_ready_law_is_a_law():
-    for joint, laws in READY_DISTRIBUTIONS.items():
+    for place, laws in READY_DISTRIBUTIONS.items():
+        parameter = "feedback_delay" if place == "feedback.delay" else f"{place}_stiffness"
         for name in laws:
-            assert checked_distribution(f"{joint}_stiffness", {"law": name}).numbers[0] > 0.0
+            assert checked_distribution(parameter, {"law": name}).numbers[0] > 0.0
+    assert READY_DISTRIBUTIONS["feedback.delay"].keys() == READY_DELAYS.keys()
 
 
 def test_scattered_proportions_have_the_measured_spread():

@@ -73,25 +73,6 @@ PROPORTIONS = {
     "unknown": (0.0390, 0.0491, 0.045),
 }
 
-NORMAL_OF_MGH = {"distribution": "normal", "relative_to": "mgh"}
-# Ready laws, by joint: what was measured, as a study would say it. All of both legs together.
-READY_DISTRIBUTIONS: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
-    "ankle": {
-        # intrinsic ankle stiffness in quiet standing, perturbations of about 0.055 degrees,
-        # J Physiol 545 (2002) 1041-1053
-        "loram-lakie-2002": {**NORMAL_OF_MGH, "mean": 0.91, "sd": 0.23},
-        # the same with 1-degree steps, Gait & Posture 21 (2005) 410-424 (taken second-hand)
-        "casadio-2005": {**NORMAL_OF_MGH, "mean": 0.64, "sd": 0.08},
-        # passive calf, rotations below 0.2 degrees, supported upright, J Physiol 584 (2007) 661-675
-        "loram-2007": {**NORMAL_OF_MGH, "mean": 0.67, "sd": 0.08},
-        # muscle and stretch reflex of a model of quiet stance (80 kg, 1.80 m), derived from its
-        # parameters, Biol Cybern 111 (2017) 389-403
-        "reimann-schoner-2017": {"distribution": "fixed", "value": 296.0},
-    },
-    "knee": {"reimann-schoner-2017": {"distribution": "fixed", "value": 201.1}},
-    "hip": {"reimann-schoner-2017": {"distribution": "fixed", "value": 246.2}},
-}
-
 
 @dataclass(frozen=True, slots=True)
 class ReadyDelay:
@@ -140,4 +121,25 @@ READY_DELAYS: Mapping[str, ReadyDelay] = {
             "deviation of the young is assumed, and their spread"
         ),
     ),
+}
+
+NORMAL_OF_MGH = {"distribution": "normal", "relative_to": "mgh"}
+# Ready laws, by joint, and of the delay: what was measured, as a study would say it. Stiffness is
+# of both legs together.
+READY_DISTRIBUTIONS: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
+    "ankle": {
+        # intrinsic ankle stiffness in quiet standing, perturbations of about 0.055 degrees,
+        # J Physiol 545 (2002) 1041-1053
+        "loram-lakie-2002": {**NORMAL_OF_MGH, "mean": 0.91, "sd": 0.23},
+        # the same with 1-degree steps, Gait & Posture 21 (2005) 410-424 (taken second-hand)
+        "casadio-2005": {**NORMAL_OF_MGH, "mean": 0.64, "sd": 0.08},
+        # passive calf, rotations below 0.2 degrees, supported upright, J Physiol 584 (2007) 661-675
+        "loram-2007": {**NORMAL_OF_MGH, "mean": 0.67, "sd": 0.08},
+        # muscle and stretch reflex of a model of quiet stance (80 kg, 1.80 m), derived from its
+        # parameters, Biol Cybern 111 (2017) 389-403
+        "reimann-schoner-2017": {"distribution": "fixed", "value": 296.0},
+    },
+    "knee": {"reimann-schoner-2017": {"distribution": "fixed", "value": 201.1}},
+    "hip": {"reimann-schoner-2017": {"distribution": "fixed", "value": 246.2}},
+    "feedback.delay": {name: delay.distribution for name, delay in READY_DELAYS.items()},
 }

@@ -5,18 +5,16 @@
 2. Cells of x = ω² from 0 to the bound are classified (:func:`.resultant.roots_on_cell`): proven
    empty, proven to hold one crossing, or split. Some 15 cells a person settle all.
 3. Each crossing is narrowed down and polished to ω, θ and its direction.
+4. Whom that leaves open has the crossings isolated in boxes of ω and θ (:mod:`.boxes`).
 
 The functions of step 1 to 3 are pure and work element by element; whoever has them compiled hands
 them in as ``apply``. Arrays have the persons last.
 """
 
-from collections.abc import Callable
-from typing import Any, NamedTuple, TypeAlias
-
 import numpy as np
 
 from standfast.numerics.arrays import Array, Scalar, namespace
-from standfast.numerics.polynomials import Polynomial
+from standfast.stability.delay.boxes import isolated_in_boxes
 from standfast.stability.delay.characteristic import (
     Matrices,
     highest_crossing,
@@ -24,6 +22,7 @@ from standfast.stability.delay.characteristic import (
     right_of_axis,
     undelayed,
 )
+from standfast.stability.delay.problem import Apply, Problem, directly
 from standfast.stability.delay.resultant import crossing_at, resultant_at, roots_on_cell
 from standfast.stability.delay.table import TURN, Crossings
 
@@ -44,31 +43,6 @@ ROUNDED_UP = 1.0 + 1e-12
 AT_ONCE = 1e-9  # rad of a turn, of roots that lie on the axis without delay
 BESIDE = 1e-7  # part of a root that its real part may be where it lies on the axis
 SETTLED = 1e-9  # largest last correction of a crossing that counts as found
-
-
-class Problem(NamedTuple):
-    """What is one and the same for all persons of a batch."""
-
-    joints: int  # n, free
-    rank: int  # m, of the feedback
-
-    def quasi(self, coefficients: Array) -> list[Polynomial]:
-        """Take the columns of coefficients apart: q0 … qm in rising powers."""
-        found, start = [], 0
-        for order in range(self.rank + 1):
-            stop = start + 2 * self.joints - order + 1
-            found.append([coefficients[row] for row in range(start, stop)])
-            start = stop
-        return found
-
-
-Apply: TypeAlias = Callable[..., Any]
-
-
-def directly(function: Callable[..., Any], problem: Problem, *arrays: np.ndarray) -> Any:
-    """Apply a function to arrays as it is, without compiling."""
-    with np.errstate(all="ignore"):
-        return function(problem, *arrays)
 
 
 def prepared(problem: Problem, numbers: Array) -> tuple[Array, Array, Array, Array]:
@@ -148,17 +122,41 @@ def crossings_of(problem: Problem, numbers: np.ndarray, *, apply: Apply = direct
         return Crossings(
             unstable, on_axis, neutral, uncertain, none.astype(np.intp), none, none, none
         )
-    person, low, high = _isolated(problem, coefficients, bound, uncertain, apply)
-    x = _narrowed(problem, coefficients[:, person], low, high, apply)
-    frequency, angle, direction, correction = np.asarray(
-        apply(polished, problem, coefficients[:, person], x)
-    )
-    inside = (low <= frequency**2 * ROUNDED_UP) & (frequency**2 <= high * ROUNDED_UP)
-    uncertain[person[~(correction < SETTLED) | ~inside | (direction == 0.0)]] = True
+    person, (frequency, angle, direction, _), left = _found(problem, coefficients, bound, apply)
+    uncertain |= left
     # roots on the axis without delay leave it at once, to the right or to the left
     at_once = on_axis[person] & ((angle < AT_ONCE) | (angle > TURN - AT_ONCE))
     angle = np.where(at_once, np.where(direction > 0.0, 0.0, TURN), angle)
     return Crossings(unstable, on_axis, neutral, uncertain, person, frequency, angle, direction)
+
+
+def _found(
+    problem: Problem, coefficients: np.ndarray, bound: np.ndarray, apply: Apply
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return persons and rows ω, θ, direction, correction of crossings; and who stays open."""
+    open_ = np.zeros(bound.size, bool)
+    person, low, high = _isolated(problem, coefficients, bound, open_, apply)
+    x = _narrowed(problem, coefficients[:, person], low, high, apply)
+    found = np.asarray(apply(polished, problem, coefficients[:, person], x))
+    inside = (low <= found[0] ** 2 * ROUNDED_UP) & (found[0] ** 2 <= high * ROUNDED_UP)
+    open_[person[~inside | _doubtful(found)]] = True
+    if not open_.any():
+        return person, found, open_
+    who = np.flatnonzero(open_)
+    again, others, left = isolated_in_boxes(
+        problem, coefficients[:, who], np.sqrt(bound[who]), apply
+    )
+    left[again[_doubtful(others)]] = True
+    sure = ~open_[person]
+    open_[who] = left
+    person = np.concatenate([person[sure], who[again]])
+    return person, np.concatenate([found[:, sure], others], axis=1), open_
+
+
+def _doubtful(found: np.ndarray) -> np.ndarray:
+    """Return where rows ω, θ, direction, correction are not settled."""
+    doubtful: np.ndarray = ~(found[3] < SETTLED) | (found[2] == 0.0)
+    return doubtful
 
 
 def _settled(polynomial: np.ndarray) -> tuple[int, bool, bool, bool]:

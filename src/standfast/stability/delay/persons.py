@@ -11,7 +11,8 @@ from itertools import combinations, permutations
 import numpy as np
 
 from standfast.numerics.arrays import ROUNDOFF
-from standfast.stability.delay.crossings import Apply, Problem, crossings_of, directly
+from standfast.stability.delay.crossings import crossings_of
+from standfast.stability.delay.problem import Apply, Problem, directly
 from standfast.stability.delay.rightmost import rightmost_roots
 from standfast.stability.delay.table import Crossings
 

@@ -82,6 +82,14 @@ def crossing_at(quasi: Sequence[Polynomial], x: Scalar) -> tuple[Scalar, Scalar,
     xp = namespace(x, *(c for q in quasi for c in q))
     omega = xp.sqrt(x)
     theta = -xp.angle(_root_on_circle([value_at(q, 1j * omega) for q in quasi]))
+    return refined(quasi, omega, theta)
+
+
+def refined(
+    quasi: Sequence[Polynomial], omega: Scalar, theta: Scalar
+) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+    """Return ω, θ, the direction and the last correction of the crossing near ω and θ."""
+    xp = namespace(omega, theta, *(c for q in quasi for c in q))
     correction: Scalar = 0.0
     for _ in range(POLISHING_STEPS):
         z = xp.exp(-1j * theta)

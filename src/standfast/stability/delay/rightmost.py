@@ -14,13 +14,8 @@ notation: A inertia, B damping, C stiffness less gravity, P and D gains, τ dela
 import numpy as np
 
 from standfast.numerics.arrays import Array, Scalar, namespace
-from standfast.stability.delay.crossings import (
-    Apply,
-    Problem,
-    crossings_of,
-    directly,
-    prepared,
-)
+from standfast.stability.delay.crossings import crossings_of, prepared
+from standfast.stability.delay.problem import Apply, Problem, directly
 from standfast.stability.delay.resultant import slopes
 from standfast.stability.delay.table import TURN, Crossings
 

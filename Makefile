@@ -1,15 +1,16 @@
 # Everything a checkout needs, on a machine with Python 3.11 or newer and make.
 #   make atlas      set up, then the dense atlas of the nominal adult into results/atlas/
-#   make population a Monte Carlo of US adults into results/us-adults/
+#   make feedback   figures of delayed feedback and of coupled joints into results/feedback/
+#   make population Monte Carlos of US adults into results/us-adults/ and results/us-adults-feedback/
 #   make test       set up, then run the tests
 #   make check      format, lint, types, tests
-#   make bench      every benchmark, and results/benchmarks/README.md (about ten minutes)
+#   make bench      every benchmark, and results/benchmarks/README.md (about twenty minutes)
 #   make reproduce  the 2007 paper, number by number
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: atlas population test check bench reproduce format clean
+.PHONY: atlas feedback population test check bench reproduce format clean
 .DELETE_ON_ERROR:
 
 atlas: $(VENV)/run.stamp
@@ -18,12 +19,24 @@ atlas: $(VENV)/run.stamp
 	$(BIN)/standfast thresholds results/atlas/atlas.h5 -o results/atlas
 	$(BIN)/standfast plot results/atlas/atlas.h5 -o results/atlas
 
+feedback: $(VENV)/run.stamp
+	mkdir -p results/feedback
+	@for study in feedback delay-margin passive-support windows root-locus coupling; do \
+	  $(BIN)/standfast sweep studies/$$study.toml -o results/feedback/$$study.h5 && \
+	  $(BIN)/standfast plot results/feedback/$$study.h5 -o results/feedback || exit 1; done
+
 population: $(VENV)/run.stamp
 	mkdir -p results/us-adults
 	rm -f results/us-adults/us-adults.h5
 	$(BIN)/standfast population studies/us-adults.toml -o results/us-adults/us-adults.h5 \
 	  > results/us-adults/us-adults.txt
 	cat results/us-adults/us-adults.txt
+	mkdir -p results/us-adults-feedback
+	rm -f results/us-adults-feedback/us-adults-feedback.h5
+	$(BIN)/standfast population studies/us-adults-feedback.toml \
+	  -o results/us-adults-feedback/us-adults-feedback.h5 \
+	  > results/us-adults-feedback/us-adults-feedback.txt
+	cat results/us-adults-feedback/us-adults-feedback.txt
 
 reproduce: $(VENV)/run.stamp
 	$(BIN)/standfast reproduce
@@ -38,7 +51,7 @@ check: $(VENV)/check.stamp
 	$(MAKE) test
 
 bench: $(VENV)/bench.stamp
-	@for script in verdicts storing peers population growth startup tricks cost report; do \
+	@for script in verdicts storing peers population workers growth startup tricks cost report; do \
 	  $(BIN)/python benchmarks/$$script.py || exit 1; done
 
 format: $(VENV)/check.stamp

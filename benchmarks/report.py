@@ -9,10 +9,12 @@ from typing import Any
 from harness import RESULTS, ROOT
 from standfast.figures import style
 
-ORDER = ("verdicts", "storing", "peers", "population", "growth", "startup", "tricks", "cost")
+ORDER = (
+    "verdicts", "storing", "peers", "population", "workers", "growth", "startup", "tricks", "cost",
+)  # fmt: skip
 HEAD = """# Benchmarks
 
-Made by `make bench` (about ten minutes on two cores); each script of `benchmarks/` answers one
+Made by `make bench` (about twenty minutes on two cores); each script of `benchmarks/` answers one
 question and writes one JSON file here, from which this page is made. Compare rows of one table:
 all of it was measured in one run, job after job, and medians are told. Machines differ and are
 noisy; the ratios are what counts.

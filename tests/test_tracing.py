@@ -83,7 +83,7 @@ def test_records_are_pytrees():
     bodies = [sf.Body.edwards2007(), sf.Body.from_height_mass(1.6, 60.0)]
     stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *bodies)
     stiffness = sf.Stiffness(np.array([950.0, 700.0]), 2000.0, 738.0)
-    thresholds = jax.vmap(sf.critical_stiffness, in_axes=(0, sf.Stiffness._make((0, None, None))))(
+    thresholds = jax.vmap(sf.critical_stiffness, in_axes=(0, sf.Stiffness._make((0, *[None] * 5))))(
         stacked, stiffness
     )
     for number, body in enumerate(bodies):

@@ -32,11 +32,14 @@ if TYPE_CHECKING:
     from standfast.atlas.opening import open_atlas
     from standfast.atlas.reader import Atlas
     from standfast.atlas.sweeping import sweep
+    from standfast.mechanics.laws import LAWS
     from standfast.population.people.study import PopulationStudy
     from standfast.population.simulation import simulate
 
-# Where the names lie that need h5py or JAX, imported when they are first asked for.
+# Where the names lie that need h5py or JAX, or are read once in a while; imported when they are
+# first asked for.
 LAZY = {
+    "LAWS": "standfast.mechanics.laws",
     "Atlas": "standfast.atlas.reader",
     "open_atlas": "standfast.atlas.opening",
     "compute": "standfast.atlas.memory",
@@ -47,6 +50,7 @@ LAZY = {
 
 __all__ = [
     "BODY_MODELS",
+    "LAWS",
     "Atlas",
     "Body",
     "Feedback",
@@ -83,7 +87,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Import what needs h5py or JAX when it is first asked for."""
+    """Import what is lazy when it is first asked for."""
     if name in LAZY:
         return getattr(import_module(LAZY[name]), name)
     raise AttributeError(f"module 'standfast' has no attribute {name!r}")

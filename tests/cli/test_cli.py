@@ -15,6 +15,7 @@ import standfast
 import standfast.atlas.sweeping
 from standfast.cli.app import main
 from standfast.study import grid
+from studies import GOOD, toml_of
 
 
 def standfast_command(*arguments, cwd=None):
@@ -42,6 +43,16 @@ def test_help_has_an_example_and_imports_neither_jax_nor_matplotlib():
     )
     assert result.returncode == 0, result.stderr
     assert "example: standfast reproduce" in result.stdout
+
+
+@pytest.mark.parametrize("gain", ["15", "[5, 15]", "{ start = 0, stop = 15, num = 4 }"])
+def test_a_gain_per_degree_is_noted_and_done(tmp_path, monkeypatch, capsys, gain):
+    monkeypatch.chdir(tmp_path)
+    content = toml_of(GOOD) + f"[feedback.proportional]\nankle = {gain}\n"
+    (tmp_path / "study.toml").write_text(content, encoding="utf-8")
+    main(["sweep", "study.toml"])
+    assert "if it is meant in N·m per degree, write 859.5" in capsys.readouterr().err
+    assert (tmp_path / "study.h5").exists()
 
 
 def test_what_only_reads_starts_without_jax(place, monkeypatch):

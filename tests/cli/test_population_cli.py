@@ -8,6 +8,7 @@ import pytest
 
 import standfast as sf
 from standfast.cli.app import main
+from standfast.parameters import JOINTS
 
 STUDY = """
 title = "Army women under a stiff law"
@@ -159,7 +160,7 @@ def test_assess_gives_one_line_a_person(place, capsys):
         critical = sf.critical_stiffness(body, K, gravity=9.81)
         stands = sf.is_stable(body, K, gravity=9.81)
         assert row["stands"] == ("yes" if stands else "no")
-        for joint, threshold in critical._asdict().items():
+        for joint, threshold in zip(JOINTS, critical.joints, strict=True):
             assert float(row[f"{joint}_threshold_Nm_rad"]) == pytest.approx(threshold, rel=1e-5)
         rigid = sf.Stiffness(0.0, math.inf, math.inf)
         alone = sf.critical_stiffness(body, rigid, gravity=9.81).ankle
@@ -186,7 +187,7 @@ def test_what_would_let_a_person_stand_again(place, capsys):
     assert summary["stand"] < summary["judged"]
     body = sf.Body.from_height_mass(1.6, 60.0)
     K = sf.Stiffness(400.0, math.inf, 300.0)
-    gains = {joint: row[f"{joint}_gain_needed_Nm_rad"] for joint in K._fields}
+    gains = {joint: row[f"{joint}_gain_needed_Nm_rad"] for joint in JOINTS}
     assert gains["knee"] == "inf"  # it is rigid already
     for joint in ("ankle", "hip"):
         gain = float(gains[joint])

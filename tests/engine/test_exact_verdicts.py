@@ -16,6 +16,7 @@ from standfast.stability.exact import exact_threshold
 
 KNEES = (700.0, 900.0, 2000.0, math.inf)
 HIPS = (300.0, 421.0, 1000.0, math.inf)
+COUPLED = ("ankle_knee", "knee_hip", "ankle_hip")
 
 
 def exact_minors(parameters, ankle):
@@ -34,8 +35,14 @@ def exact_minors(parameters, ankle):
     loads = ((g1, g2, g3), (g2, g2, g3), (g3, g3, g3))
     springs = (ankle, parameters["knee_stiffness"], parameters["hip_stiffness"])
     flexible = [i for i in range(3) if not math.isinf(springs[i])]
+    coupled = [Fraction(parameters.get(f"{name}_stiffness", 0.0)) for name in COUPLED]
+    across = {frozenset(pair): k for pair, k in zip(((0, 1), (1, 2), (0, 2)), coupled, strict=True)}
     c = [
-        [(Fraction(springs[i]) if i == j else 0) - loads[i][j] for j in flexible] for i in flexible
+        [
+            (Fraction(springs[i]) if i == j else across[frozenset((i, j))]) - loads[i][j]
+            for j in flexible
+        ]
+        for i in flexible
     ]
     minors = []
     for size in range(1, len(c) + 1):
@@ -71,8 +78,20 @@ def people(count):
             }
 
 
+def coupled_people(count):
+    """The same persons with joints that are coupled, some by negative stiffness."""
+    random = np.random.default_rng(5)
+    for parameters in people(count):
+        couplings = np.round(random.uniform(-100.0, 200.0, 3), int(random.integers(0, 14)))
+        couplings *= random.random(3) < 0.8
+        names = (f"{name}_stiffness" for name in COUPLED)
+        yield parameters | dict(zip(names, couplings.tolist(), strict=True))
+
+
 def study_of(parameters, ankle):
     joints = {"knee": parameters["knee_stiffness"], "hip": parameters["hip_stiffness"]}
+    names = ((name, f"{name}_stiffness") for name in COUPLED)
+    joints |= {name: parameters[full] for name, full in names if full in parameters}
     return sf.Study.from_dict(
         {
             "gravity": parameters["gravity"],
@@ -94,9 +113,13 @@ def ulps_around(value, steps):
     return np.array(values)
 
 
-def test_the_exact_threshold_makes_c_singular():
+BOTH = pytest.mark.parametrize("people_of", [people, coupled_people])
+
+
+@BOTH
+def test_the_exact_threshold_makes_c_singular(people_of):
     seen = 0
-    for parameters in people(3):
+    for parameters in people_of(3):
         threshold = exact_threshold(parameters)
         if threshold is None:
             assert not exact_verdict(parameters, 1e9)
@@ -108,10 +131,11 @@ def test_the_exact_threshold_makes_c_singular():
     assert seen > 40
 
 
-def test_verdicts_within_a_few_ulps_of_the_threshold_are_exact():
+@BOTH
+def test_verdicts_within_a_few_ulps_of_the_threshold_are_exact(people_of):
     """The axis runs through the threshold ulp by ulp; plain floating point gets some wrong."""
     differ = settled = 0
-    for parameters in people(2):
+    for parameters in people_of(2):
         threshold = exact_threshold(parameters)
         if threshold is None:
             continue
@@ -124,7 +148,8 @@ def test_verdicts_within_a_few_ulps_of_the_threshold_are_exact():
         settled += evaluate.resolved_exactly
         mass = parameters["bmi"] * parameters["height"] ** 2
         body = sf.Body.from_height_mass(parameters["height"], mass, model=parameters["body_model"])
-        joints = (parameters["knee_stiffness"], parameters["hip_stiffness"])
+        names = ("knee", "hip", *COUPLED)
+        joints = [parameters.get(f"{name}_stiffness", 0.0) for name in names]
         plain = [sf.is_stable(body, sf.Stiffness(k, *joints), gravity=9.81) for k in ankle]
         differ += sum(a != b for a, b in zip(plain, exact, strict=True))
     assert settled > 500
@@ -132,21 +157,21 @@ def test_verdicts_within_a_few_ulps_of_the_threshold_are_exact():
 
 
 @pytest.mark.parametrize("joint", ["knee", "hip"])
-def test_a_joint_that_just_holds_or_just_fails_is_settled(joint):
+@BOTH
+def test_a_joint_that_just_holds_or_just_fails_is_settled(joint, people_of):
     """With that joint within ulps of its own limit, the ankle's threshold is huge or infinite."""
     checked = 0
-    for parameters in people(1):
+    for parameters in people_of(1):
         if math.isinf(parameters[f"{joint}_stiffness"]):
             continue
-        factor = exact_threshold({**parameters, "knee_stiffness": math.inf, "hip_stiffness": 1e9})
-        assert factor is not None
         body = sf.Body.from_height_mass(
             parameters["height"],
             parameters["bmi"] * parameters["height"] ** 2,
             model=parameters["body_model"],
         )
-        rigid = sf.Stiffness(1e9, 1e9, parameters["hip_stiffness"])
-        limit = getattr(sf.critical_stiffness(body, rigid._replace(ankle=math.inf), 9.81), joint)
+        couplings = [parameters.get(f"{name}_stiffness", 0.0) for name in COUPLED]
+        rigid = sf.Stiffness(math.inf, 1e9, parameters["hip_stiffness"], *couplings)
+        limit = getattr(sf.critical_stiffness(body, rigid, 9.81), joint)
         if math.isinf(limit):
             continue
         for own in ulps_around(limit, 6):
@@ -157,6 +182,27 @@ def test_a_joint_that_just_holds_or_just_fails_is_settled(joint):
             assert np.asarray(found).astype(bool).tolist() == exact
             checked += 1
     assert checked > 50
+
+
+def test_verdicts_along_axes_of_coupling_are_exact():
+    """A grid of couplings whose ankles lie within ulps of a threshold of one of its points."""
+    base = {"body_model": "winter", "height": 1.8, "bmi": 24.0, "gravity": 9.81}
+    base |= {"knee_stiffness": 1500.0, "hip_stiffness": 700.0, "ankle_hip_stiffness": 13.7}
+    between, above = [-50.0, 0.0, 30.0, 77.7], [-20.0, 0.0, 100.0]
+    points = [
+        {**base, "ankle_knee_stiffness": x, "knee_hip_stiffness": y}
+        for x, y in product(between, above)
+    ]
+    ankle = np.unique([ulps_around(float(exact_threshold(each)), 2) for each in points])
+    study = study_of({**base, "ankle_knee_stiffness": between, "knee_hip_stiffness": above}, ankle)
+    evaluate = Evaluator(study)
+    (found,) = evaluate(study.grid.tile(0, 0))
+    assert study.grid.groups[0].axes == (
+        "ankle_stiffness", "ankle_knee_stiffness", "knee_hip_stiffness",
+    )  # fmt: skip
+    exact = [[exact_verdict(each, float(k)) for each in points] for k in ankle]
+    assert np.asarray(found).reshape(len(ankle), -1).astype(bool).tolist() == exact
+    assert evaluate.resolved_exactly >= 4 * len(points)
 
 
 def test_what_is_in_doubt_is_near():

@@ -1,62 +1,23 @@
 """Figures: which ones an atlas gets, and that nobody has to squint at them."""
 
-import itertools
 import math
 
 import matplotlib.colors
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import standfast as sf
+from reading import check_legible
 from standfast.edwards2007 import drawings
-from standfast.figures import population, standing, style
+from standfast.figures import standing, style
 from standfast.figures.atlas_figures import plot
 from studies import changed
 
-SMALLEST_TEXT = 6.0  # points, at the size in which the figure is printed
 AXES = {
     "ankle": {"start": 0, "stop": 2000, "num": 41},
     "knee": [900.0, 2000.0, math.inf],
     "hip": {"start": 0, "stop": 1500, "num": 31},
 }
-
-
-@pytest.fixture
-def drawn(monkeypatch):
-    """Every figure that is saved, as it was saved."""
-    seen = []
-    save = style.save
-
-    def keep(figure, stem, formats=("png",)):
-        FigureCanvasAgg(figure).draw()
-        seen.append(figure)
-        return save(figure, stem, formats)
-
-    monkeypatch.setattr(style, "save", keep)
-    monkeypatch.setattr(population, "save", keep)
-    return seen
-
-
-def texts(figure):
-    """Every text that is drawn, with its box; ticks beyond the axes exist but are not drawn."""
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    found = [text for legend in figure.legends for text in legend.get_texts()]
-    for ax in figure.axes:
-        if not ax.axison:
-            continue
-        found += [*ax.texts, ax.title, ax.xaxis.label, ax.yaxis.label]
-        found += ax.get_legend().get_texts() if ax.get_legend() else []
-        for axis in (ax.xaxis, ax.yaxis):
-            low, high = sorted(axis.get_view_interval())
-            found += [
-                tick.label1 for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high
-            ]
-    found += [text for text in (figure._supxlabel, figure._supylabel) if text is not None]
-    for text in found:
-        if text.get_visible() and text.get_text().strip():
-            yield text, text.get_window_extent(canvas.get_renderer())
 
 
 def atlas_of(tmp_path, quantities, stiffness=None, body=None):
@@ -137,16 +98,7 @@ def test_text_is_legible_inside_the_figure_and_does_not_overlap(tmp_path, drawn)
         atlas_of(tmp_path, ["stable", "critical_hip_stiffness", "frequency"], None, sizes), tmp_path
     )
     assert len(drawn) == 4 + 3 + 3
-    for figure in drawn:
-        width, height = figure.canvas.get_width_height()
-        boxes = []
-        for text, box in texts(figure):
-            assert text.get_fontsize() >= SMALLEST_TEXT
-            assert box.x0 >= -1 and box.y0 >= -1, text.get_text()  # noqa: PT018
-            assert box.x1 <= width + 1 and box.y1 <= height + 1, text.get_text()  # noqa: PT018
-            boxes.append((text.get_text(), box.shrunk(0.9, 0.8)))
-        for (one, a), (other, b) in itertools.combinations(boxes, 2):
-            assert not a.overlaps(b), f"{one!r} lies on {other!r}"
+    check_legible(drawn)
 
 
 def test_axes_are_labelled_with_units(tmp_path, drawn):

@@ -10,12 +10,13 @@ from standfast.population.people import study as people_study
 from standfast.population.simulation import simulate_shards
 from standfast.run import folder
 from standfast.run.shards import HEADER_BYTES
+from standfast.study.study import Study
 
 BLOCKS = 8  # of persons in a shard, so that a small population has several
 
 
-def _killed_once(task, study, output, numbers, threads, version):
-    """Do a task; the first process that comes to the end of shard 1 is killed there by SIGKILL."""
+def _killed_once(task, study, output, numbers, threads, version, at=1):
+    """Do a task; the first process that comes to the end of a shard is killed there by SIGKILL."""
     people_study.BLOCKS_PER_SHARD = BLOCKS  # this is a worker, which does nothing else
     whole = folder.new_shard
     mark = Path(f"{output}.killed")
@@ -36,7 +37,7 @@ def _killed_once(task, study, output, numbers, threads, version):
 
     def new_shard(path, work, number):
         made = whole(path, work, number)
-        return Deadly(made) if number == 1 else made
+        return Deadly(made) if number == at else made
 
     folder.new_shard = new_shard
     try:
@@ -47,6 +48,11 @@ def _killed_once(task, study, output, numbers, threads, version):
 
 def sweep_killed_once(*task):
     return _killed_once(sweep_shards, *task)
+
+
+def sweep_killed_at_the_end(*task):
+    last = Study.from_canonical(task[0]).shard_count - 1
+    return _killed_once(sweep_shards, *task, at=last)
 
 
 def simulate_killed_once(*task):

@@ -29,7 +29,7 @@ def batch(cases: list[tuple[sf.Body, sf.Stiffness, float]]) -> tuple[np.ndarray,
     bodies, stiffnesses, gravities = zip(*cases, strict=True)
     return (
         *(np.stack(leaves) for leaves in zip(*bodies, strict=True)),
-        *(np.array(joint) for joint in zip(*stiffnesses, strict=True)),
+        *(np.array(joint) for joint in zip(*(one.joints for one in stiffnesses), strict=True)),
         np.array(gravities),
     )
 

@@ -55,3 +55,27 @@ def lognormal(random, size, mean, sd):
     """Lognormal numbers with this mean and sd."""
     sigma = np.sqrt(np.log(1.0 + (sd / mean) ** 2))
     return random.lognormal(np.log(mean) - sigma**2 / 2.0, sigma, size)
+
+
+# Radii of gyration about the centre of mass, of stature.
+GYRATION = np.array([0.302 * 0.246, 0.323 * 0.245, 0.496 * 0.288])
+
+
+def inertia(height, mass):
+    """Inertia of every person about the ankle, knee and hip straight and rigid."""
+    distance = np.array([CENTRE[0], LENGTH[0] + CENTRE[1], LENGTH[0] + LENGTH[1] + CENTRE[2]])
+    return (MASS @ (GYRATION**2 + distance**2)) * mass * height**2
+
+
+def critical_delay_of_a_faller(j, b, c, p, d):
+    """Critical delay of one joint whose springs alone fail (c < 0): 0 if feedback does not hold it.
+
+    J s² + B s + C + (P + D s) e^(−sτ) with s = iω: ω from the moduli, then τ from the angle, the
+    principal one alone, as the root crosses once where |P| > |C|.
+    """
+    holds = (c + p > 0.0) & (b + d > 0.0)
+    half = (d**2 - b**2 + 2.0 * j * c) / 2.0
+    root = np.sqrt(np.where(holds, half**2 + j**2 * (p**2 - c**2), 1.0))
+    omega = np.sqrt(np.where(holds, (half + root) / j**2, 1.0))
+    late = (j * omega**2 - c - 1j * b * omega) / (p + 1j * d * omega)
+    return np.where(holds, (-np.angle(late) % (2.0 * np.pi)) / omega, 0.0)

@@ -110,7 +110,7 @@ def test_a_and_c_are_those_of_an_independent_multibody_program(model):
         ours_c = sf.stiffness_matrix(body, stiffness, gravity)
         np.testing.assert_allclose(ours_a, a, rtol=MULTIBODY_RTOL, atol=0)
         # the diagonal is a difference, so its error scales with what is subtracted
-        scale = MULTIBODY_RTOL * (np.abs(ours_c) + np.diag(stiffness))
+        scale = MULTIBODY_RTOL * (np.abs(ours_c) + np.diag(stiffness.joints))
         assert (np.abs(ours_c - c) <= scale).all()
 
 

@@ -86,7 +86,7 @@ def test_loads_are_those_of_the_scaled_body():
 def test_every_ready_law_is_a_law():
     for joint, laws in READY_DISTRIBUTIONS.items():
         for name in laws:
-            assert checked_distribution(joint, {"law": name}).numbers[0] > 0.0
+            assert checked_distribution(f"{joint}_stiffness", {"law": name}).numbers[0] > 0.0
 
 
 def test_scattered_proportions_have_the_measured_spread():

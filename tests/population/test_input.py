@@ -178,10 +178,10 @@ def test_all_columns_are_read(tmp_path):
     assert people.age[0] == 30.0
     assert np.isnan(people.age[1])
     assert people.effective_size == pytest.approx(9.0 / 5.0)
-    assert people.stiffness["ankle_stiffness"][0] == 900.0
-    assert np.isnan(people.stiffness["ankle_stiffness"][1])
-    assert people.stiffness["knee_stiffness"][0] == math.inf
-    assert "hip_stiffness" not in people.stiffness
+    assert people.measured["ankle_stiffness"][0] == 900.0
+    assert np.isnan(people.measured["ankle_stiffness"][1])
+    assert people.measured["knee_stiffness"][0] == math.inf
+    assert "hip_stiffness" not in people.measured
 
 
 def test_one_bad_row_among_thousands_is_left_out_and_told(tmp_path):

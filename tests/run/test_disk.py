@@ -100,6 +100,9 @@ def test_errors_of_others_are_not_called_hdf5s(study, tmp_path):
 
     with pytest.raises(RuntimeError, match="mine"):
         sf.sweep(study, tmp_path / "a.h5", progress=interrupt)
+    people = sf.PopulationStudy.from_dict(populations.GOOD)
+    with pytest.raises(RuntimeError, match="mine"):
+        sf.simulate(people, tmp_path / "p.h5", progress=interrupt)
 
 
 def test_the_forecast_of_the_disk_is_what_is_written(study, whole, tmp_path):

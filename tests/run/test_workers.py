@@ -4,7 +4,8 @@ import contextlib
 import multiprocessing
 import os
 import sys
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+import time
+from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 
 import distributed
@@ -16,6 +17,7 @@ import standfast as sf
 from populations import GOOD, of
 from standfast.atlas import sweeping
 from standfast.atlas.sweeping import sweep_shards
+from standfast.files import PARTIAL
 from standfast.population import simulation
 from standfast.population.people import study as people_study
 from standfast.run import workers
@@ -23,6 +25,7 @@ from standfast.run.folder import parts_of
 from standfast.version import __version__
 
 HELPERS = str(Path(deadly.__file__).parent)
+GROWS_WITHIN = 20.0  # s; it takes tenths
 
 
 @contextlib.contextmanager
@@ -102,6 +105,62 @@ def test_the_same_bytes_with_a_worker_killed_inside_a_shard(
         assert not parts_of(path).exists()
 
 
+def test_a_worker_killed_in_the_last_shard_leaves_it_to_the_caller(
+    study, whole, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(sweeping, "sweep_shards", deadly.sweep_killed_at_the_end)
+    path = tmp_path / "a.h5"
+    with spawned() as pool:
+        sf.sweep(study, path, executor=pool)
+    assert Path(f"{path}.killed").exists()
+    assert path.read_bytes() == whole[1]
+    assert not parts_of(path).exists()
+
+
+class Liar:
+    """Says that everything is done, and does nothing the first times it is asked."""
+
+    def __init__(self, lies):
+        self.lies, self.asked = lies, 0
+
+    def submit(self, function, *arguments):
+        self.asked += 1
+        future = Future()
+        future.set_result([0] if self.asked <= self.lies else function(*arguments))
+        return future
+
+
+class Late(Liar):
+    """Does shard after shard at once; the last one later, once half of the file is there."""
+
+    def __init__(self, pool, study, path, size, last=None):
+        super().__init__(0)
+        self.pool, self.number, self.half = pool, study.shard_count - 1, size // 2
+        self.file, self.last, self.seen = parts_of(path) / f".whole{PARTIAL}", last, False
+
+    def submit(self, function, *arguments):
+        if arguments[2] != (self.number,):
+            return super().submit(function, *arguments)
+        return self.pool.submit(self.later, self.last or function, *arguments)
+
+    def later(self, function, *arguments):
+        until = time.monotonic() + GROWS_WITHIN
+        while time.monotonic() < until and not self.seen:
+            with contextlib.suppress(FileNotFoundError):
+                self.seen = self.file.stat().st_size > self.half
+            time.sleep(0.01)
+        return function(*arguments)
+
+
+def test_the_file_grows_while_shards_are_computed(study, whole, tmp_path):
+    path = tmp_path / "a.h5"
+    with ThreadPoolExecutor(1) as pool:
+        late = Late(pool, study, path, len(whole[1]))
+        sf.sweep(study, path, executor=late)
+    assert late.seen
+    assert path.read_bytes() == whole[1]
+
+
 def test_threads_do_as_an_executor(study, whole, tmp_path):
     path, seen = tmp_path / "a.h5", []
     with threads() as pool:
@@ -120,19 +179,6 @@ def test_a_part_goes_to_an_executor_too(study, whole, tmp_path):
         assert done == [f"shard-{n:06d}.h5" for n in range(0, study.shard_count, 2)]
         sf.sweep(study, path, executor=pool)
     assert path.read_bytes() == whole[1]
-
-
-class Liar:
-    """Says that everything is done, and does nothing the first times it is asked."""
-
-    def __init__(self, lies):
-        self.lies, self.asked = lies, 0
-
-    def submit(self, function, *arguments):
-        self.asked += 1
-        future = Future()
-        future.set_result([0] if self.asked <= self.lies else function(*arguments))
-        return future
 
 
 def test_what_a_worker_says_is_not_believed(study, whole, tmp_path):
@@ -160,6 +206,49 @@ class Broken(Liar):
 def test_what_a_broken_executor_leaves_is_computed_by_the_caller(study, whole, tmp_path):
     path = tmp_path / "a.h5"
     sf.sweep(study, path, executor=Broken(0))
+    assert path.read_bytes() == whole[1]
+
+
+def test_an_executor_that_breaks_in_the_middle_leaves_gaps_that_the_caller_fills(
+    study, whole, tmp_path
+):
+    class Breaking(Liar):
+        """Loses shard 1, does shard 2, and takes nothing more."""
+
+        def submit(self, function, *arguments):
+            if self.asked == 3:
+                raise BrokenExecutor("a process was terminated abruptly")
+            if arguments[2] != (1,):
+                return super().submit(function, *arguments)
+            self.asked += 1
+            future = Future()
+            future.set_exception(BrokenExecutor("a process was terminated abruptly"))
+            return future
+
+    assert study.shard_count > 3
+    path, progress, shards = tmp_path / "a.h5", [], []
+
+    def told(done, total):
+        progress.append((done, total))
+        shards.append(len([*parts_of(path).glob("shard-*")]))
+
+    sf.sweep(study, path, executor=Breaking(0), progress=told)
+    assert shards[:2] == [3 - 1, 3 - 1]  # 0 and 2, and none computed twice
+    done, total = progress[-1]
+    assert done == total < study.points  # what was left, by the caller
+    assert path.read_bytes() == whole[1]
+
+
+def test_what_fails_late_leaves_no_file_begun_and_the_same_call_goes_on(study, whole, tmp_path):
+    path = tmp_path / "a.h5"
+    with ThreadPoolExecutor(1) as pool:
+        late = Late(pool, study, path, len(whole[1]), last=lambda *task: "no memory")
+        with pytest.raises(OSError, match=rf"shard {late.number} failed 4 times; .*: no memory"):
+            sf.sweep(study, path, executor=late)
+    assert late.seen  # the file was begun
+    assert not [file for file in parts_of(path).iterdir() if file.name.startswith(".")]
+    assert len([*parts_of(path).glob("shard-*")]) == late.number
+    sf.sweep(study, path, executor=Liar(0))
     assert path.read_bytes() == whole[1]
 
 

@@ -26,8 +26,8 @@ PASMA = {
     "derivative": 313.5,
 }
 ASAI = {
-    "inertia": 60, "load": 588.6, "stiffness": 0.8 * 588.6, "damping": 4.0, "proportional": 0.25 * 588.6,
-    "derivative": 10.0,
+    "inertia": 60, "load": 588.6, "stiffness": 0.8 * 588.6, "damping": 4.0,
+    "proportional": 0.25 * 588.6, "derivative": 10.0,
 }  # fmt: skip
 # inertia, load, stiffness, damping, P, D, delay, rightmost root, critical delay
 ONE_LINK_LAWS = {

@@ -65,7 +65,7 @@ def usual(rng):
 
 def rigid(rng):
     stiffness = random_stiffness(rng, rigid_share=0.5)
-    if not np.isfinite(stiffness).any():
+    if not np.isfinite(stiffness.joints).any():
         stiffness = stiffness._replace(ankle=800.0)
     return random_body(rng), stiffness, random_gravity(rng)
 
@@ -217,7 +217,8 @@ def test_similar_bodies_scale():
         stiffness = random_stiffness(rng)
         small = sf.modes(sf.Body.from_height_mass(1.2, 30.0), stiffness)
         large = sf.modes(
-            sf.Body.from_height_mass(2.4, 240.0), sf.Stiffness(*(16.0 * k for k in stiffness))
+            sf.Body.from_height_mass(2.4, 240.0),
+            sf.Stiffness(*(16.0 * k for k in stiffness.joints)),
         )
         np.testing.assert_allclose(large.eigenvalues, small.eigenvalues / 2.0, rtol=1e-12)
         np.testing.assert_allclose(large.shapes, small.shapes, rtol=1e-9, atol=1e-12)

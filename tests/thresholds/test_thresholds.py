@@ -29,16 +29,21 @@ def study_of(*quantities):
 
 def on_the_limit(place, ankle, hip):
     """Smallest eigenvalue of C relative to its largest, by LAPACK; 0 on the limit."""
-    c = sf.stiffness_matrix(place.body, sf.Stiffness(ankle, place.knee, hip), place.gravity)
+    joints = sf.Stiffness(ankle, place.knee, hip, *place.couplings)
+    c = sf.stiffness_matrix(place.body, joints, place.gravity)
     if math.isinf(place.knee):
         c = c[np.ix_([0, 2], [0, 2])]
     values = np.linalg.eigvalsh(c)
     return values[0] / values[-1]
 
 
-def test_closed_form_points_lie_on_the_limit():
-    found = list(contours.exact_contours(study_of("stable")))
-    assert len(found) == 2 * 3
+COUPLED = changed("stiffness.ankle_hip", [-30.0, 100.0], changed("stiffness.knee_hip", 50.0, GRID))
+
+
+@pytest.mark.parametrize(("content", "count"), [(GRID, 6), (COUPLED, 12)])
+def test_closed_form_points_lie_on_the_limit(content, count):
+    found = list(contours.exact_contours(sf.Study.from_dict(content)))
+    assert len(found) == count
     for contour in found:
         assert contour.ankle.size > 50
         assert (np.diff(contour.ankle) >= 0.0).all()

@@ -172,5 +172,8 @@ class _Sweep:
             "verdicts_settled_by_exact_arithmetic": (
                 self._evaluate.resolved_exactly if counted else None
             ),
+            "points_with_feedback_left_open_by_rounding": (
+                self._evaluate.left_open if counted else None
+            ),
             "bytes_before_compression": self.study.raw_bytes,
         }

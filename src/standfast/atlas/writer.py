@@ -3,6 +3,7 @@
 import contextlib
 import errno
 import os
+import traceback
 from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import closing
@@ -121,10 +122,16 @@ def reserve(file: h5py.File, size: int) -> None:
 
 @contextlib.contextmanager
 def failures_of_hdf5(path: Path) -> Iterator[None]:
-    """Turn those of HDF5's failures to write that h5py gives as RuntimeError into OSError."""
+    """Turn those of HDF5's failures to write that h5py gives as RuntimeError into OSError.
+
+    One that others raise meanwhile, who are called as it is written, is theirs.
+    """
     try:
         yield
     except RuntimeError as error:
+        *_, (raised, _) = traceback.walk_tb(error.__traceback__)
+        if not str(raised.f_globals.get("__name__")).startswith("h5py."):
+            raise
         reason = str(error).splitlines()[0]
         raise OSError(errno.EIO, f"HDF5 could not write ({reason})", str(path)) from None
 

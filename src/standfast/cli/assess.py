@@ -25,6 +25,7 @@ from standfast.parameters import (
 
 if TYPE_CHECKING:
     from standfast.population.assess import Assessment
+    from standfast.population.people.distributions import Distributions
 
 
 def add(commands: Any) -> None:
@@ -42,7 +43,8 @@ def add(commands: Any) -> None:
         nargs="+",
         metavar="PEOPLE.csv",
         help="columns height (m; height_cm), mass (kg), and if known id, sex, age, "
-        "ankle_stiffness, knee_stiffness, hip_stiffness (N·m/rad, both legs; inf is rigid); "
+        "ankle_stiffness, knee_stiffness, hip_stiffness (N·m/rad, both legs; inf is rigid), "
+        "ankle_proportional_gain, ankle_derivative_gain, ankle_damping, feedback_delay and so on; "
         "further files are joined by id",
     )
     parser.add_argument(
@@ -51,6 +53,15 @@ def add(commands: Any) -> None:
     for joint in JOINTS:
         words = f"stiffness of the {joint} where the file has none, N·m/rad or inf"
         parser.add_argument(f"--{joint}", metavar="K", help=words)
+    for option, kind, unit in (
+        ("--damping", "damping", "N·m·s/rad"),
+        ("--proportional", "proportional gain", "N·m/rad"),
+        ("--derivative", "derivative gain", "N·m·s/rad"),
+    ):
+        words = f"{kind} where the file has none, {unit}, or a multiple as 1.2mgh; repeatable"
+        parser.add_argument(option, action="append", default=[], metavar="JOINT=X", help=words)
+    words = "delay of the feedback where the file has none, s"
+    parser.add_argument("--delay", metavar="T", help=words)
     parser.add_argument("--body-model", default="winter", metavar="MODEL", help="default: winter")
     parser.add_argument(
         "--gravity", default=str(STANDARD_GRAVITY), metavar="G", help="m/s² (default: %(default)s)"
@@ -78,7 +89,13 @@ def _assess(options: argparse.Namespace) -> None:
     if os.path.realpath(output) in map(os.path.realpath, options.people):
         raise InputError(f"{output} is the file of people itself; choose another output with -o")
     people = read_people(options.people, strict=options.strict)
-    found = assess(people, body_model=options.body_model, gravity=gravity, otherwise=otherwise)
+    found = assess(
+        people,
+        body_model=options.body_model,
+        gravity=gravity,
+        otherwise=otherwise,
+        nerves=_nerves(options),
+    )
     write_assessment(found, output)
     summary = _summary_of(found)
     written = [output, *write_rejected(summary["rejected"], output)]
@@ -112,6 +129,17 @@ def _print_summary(summary: Mapping[str, Any]) -> None:
         print(f"  {fallen:,} who fall would stand with the least gain at the {joint}")
     if fallen := summary["fall_whatever_one_joint_gains"]:
         print(f"  {fallen:,} fall whatever one joint gains")
+    if (fed_back := summary.get("with_feedback")) is not None:
+        print(
+            f"  with feedback {fed_back['stand']:,} of {fed_back['judged']:,} with known gains and "
+            "delay stand"
+        )
+        if fed_back["critical_delay"]:
+            low, middle, high = fed_back["critical_delay"]
+            print(
+                f"  critical delay {middle:.3g} s (median of those who stand without delay; "
+                f"{low:.3g} to {high:.3g} for nine in ten)"
+            )
 
 
 def _summary_of(found: "Assessment") -> dict[str, Any]:
@@ -124,6 +152,7 @@ def _summary_of(found: "Assessment") -> dict[str, Any]:
     stands = columns["stands"] == "yes"
     fall_anyhow = found.falls & (columns["least_gain_at"] == "")
     return {
+        **({"with_feedback": _fed_back(columns)} if "critical_delay_s" in columns else {}),
         "persons": len(found.people),
         "rejected": [
             {"file": r.file, "line": r.line, "reason": r.reason} for r in found.people.rejected
@@ -138,9 +167,46 @@ def _summary_of(found: "Assessment") -> dict[str, Any]:
     }
 
 
-def _number(option: str, text: str, parameter: str) -> float:
-    """Read a number; what is none goes to the check as the words that they are."""
-    number: float | str = text
+def _fed_back(columns: Mapping[str, Any]) -> dict[str, Any]:
+    verdicts, critical = columns["stands_with_feedback"], columns["critical_delay_s"]
+    lost = critical[np.isfinite(critical) & (critical > 0.0)]
+    return {
+        "judged": int((verdicts != "").sum()),
+        "stand": int((verdicts == "yes").sum()),
+        "critical_delay": np.quantile(lost, (0.05, 0.5, 0.95)).tolist() if lost.size else [],
+    }
+
+
+def _nerves(options: argparse.Namespace) -> "Distributions":
+    """Read what the options say of damping, delay and gains."""
+    from standfast.population.people.sections import checked_nerves
+
+    feedback: dict[str, Any] = {}
+    content: dict[str, Any] = {"damping": {}, "feedback": feedback}
+    for option, table in (
+        ("damping", content["damping"]),
+        ("proportional", feedback.setdefault("proportional", {})),
+        ("derivative", feedback.setdefault("derivative", {})),
+    ):
+        for text in getattr(options, option):
+            joint, equals, value = text.partition("=")
+            if not equals:
+                raise InputError(f"--{option} {text} is not JOINT=NUMBER, as ankle=1.2mgh")
+            number = value.removesuffix("mgh")
+            relative_to = "absolute" if number == value else "mgh"
+            law = {"distribution": "fixed", "relative_to": relative_to, "value": _plain(number)}
+            table[joint] = law
+    if options.delay is not None:
+        feedback["delay"] = {"distribution": "fixed", "value": _plain(options.delay)}
+    return checked_nerves(content)
+
+
+def _plain(text: str) -> float | str:
+    """Return a number; what is none goes to the check as the words that they are."""
     with contextlib.suppress(ValueError):
-        number = text if math.isnan(number_in(text)) else number_in(text)
-    return checked_number(option, number, row=PARAMETERS[parameter])
+        return text if math.isnan(number_in(text)) else number_in(text)
+    return text
+
+
+def _number(option: str, text: str, parameter: str) -> float:
+    return checked_number(option, _plain(text), row=PARAMETERS[parameter])

@@ -119,7 +119,8 @@ def _print_atlas(atlas: "Atlas") -> None:
 
 
 def _print_parameters(study: Study) -> None:
+    width = max(16, *map(len, study.parameters)) + 2
     for name, value in study.parameters.items():
         row = PARAMETERS[name]
         unit = "" if row.choices else f" {row.unit}"
-        print(f"  {name:18}{describe(value)}{unit}")
+        print(f"  {name:{width}}{describe(value)}{unit}")

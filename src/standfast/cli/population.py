@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -28,9 +29,12 @@ def add(commands: Any) -> None:
 
 
 def _population(options: argparse.Namespace) -> None:
+    from standfast.population.people.sections import likely_slips
     from standfast.population.people.study import PopulationStudy
 
     study = PopulationStudy.from_toml(options.study)
+    for note in likely_slips(study.nerves):
+        print(f"standfast: {note}", file=sys.stderr)
     found = run_shards(_compute, study, options, "persons", strict=options.strict)
     if found is None:
         return

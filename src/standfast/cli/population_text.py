@@ -4,9 +4,15 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from standfast.cli.rejected import print_rejected
-from standfast.parameters import JOINTS
+from standfast.parameters import JOINTS, PARAMETERS
 
-UNITS = {"absolute": "N·m/rad", "mgh": "of mgh"}  # else of the person's own threshold
+# How a multiple of a load is told, of something in N·m/rad.
+RELATIVE = {"mgh": "mgh", "single_joint_critical": "the own threshold"}
+DRIVEN = {
+    "unstable": "falling",
+    "safety_factor": "the safety factor",
+    "delay_margin": "the delay margin (critical delay at most 1 s)",
+}
 
 
 def print_summary(summary: Mapping[str, Any]) -> None:
@@ -17,6 +23,15 @@ def print_summary(summary: Mapping[str, Any]) -> None:
     print("\nstiffness each joint needs with the other two rigid, N·m/rad")
     for joint, load in summary["single_joint_critical_stiffness"].items():
         print(f"  {joint:12} mean {load['mean']:.4g}, sd {load['sd']:.4g}")
+    if "delay_borne" in summary:
+        _print_delays(summary)
+    else:
+        _print_springs(summary)
+    for output, factors in summary["drivers"].items():
+        _print_sensitivity(DRIVEN[output], factors)
+
+
+def _print_springs(summary: Mapping[str, Any]) -> None:
     _print_quantiles("safety factor", summary["safety_factor"], "")
     _print_quantiles("growth rate of falls", summary["growth_rate_of_the_unstable"], " 1/s")
     print("\nstiffness at which that share stands, N·m/rad (as a multiple of the law)")
@@ -25,8 +40,30 @@ def print_summary(summary: Mapping[str, Any]) -> None:
     for joint, shares in required.items():
         words = "".join(f"{_required(found):>20}" for found in shares.values())
         print(f"  {joint if joint != 'all' else 'all at once':12}{words}")
-    for output, factors in summary["drivers"].items():
-        _print_sensitivity("falling" if output == "unstable" else "the safety factor", factors)
+
+
+def _print_delays(summary: Mapping[str, Any]) -> None:
+    _print_quantiles("critical delay", summary["critical_delay"], " s")
+    _print_quantiles("delay margin", summary["delay_margin"], " s")
+    print("\ndelay up to which that share stands, s")
+    borne = summary["delay_borne"]
+    print(f"  {'':12}" + "".join(f"{_percent(float(share)):>22}" for share in borne["all"]))
+    rows = {"all": borne["all"], **borne["sex"], **borne["age"]}
+    for label, shares in rows.items():
+        words = "".join(f"{_delay(found):>22}" for found in shares.values())
+        print(f"  {label:12}{words}")
+    if left_open := summary["left_open_by_rounding"]:
+        print(f"  rounding leaves something open of {left_open:,} of {summary['size']:,} persons")
+
+
+def _delay(found: Mapping[str, Any]) -> str:
+    """Return a delay with its interval; None is infinity, and 0 no delay at all."""
+    if found["delay"] is None:
+        return "any"
+    if found["delay"] == 0.0:
+        return "not even without"
+    low, high = ("∞" if end is None else f"{end:.3f}" for end in found["delay_interval"])
+    return f"{found['delay']:.3f} [{low}, {high}]"
 
 
 def _print_who(summary: Mapping[str, Any]) -> None:
@@ -41,17 +78,34 @@ def _print_who(summary: Mapping[str, Any]) -> None:
         for remark in people["remarks"]:
             print(f"    note: {remark}")
     for joint in JOINTS:
-        law = dict(summary["laws"][joint])
-        kind, relative = law.pop("distribution"), law.pop("relative_to")
-        numbers = ", ".join(f"{name} {value}" for name, value in law.items())
-        unit = UNITS.get(relative, "of the own threshold") if numbers else ""
-        print(f"  {joint:6} {kind} {numbers} {unit}".rstrip())
+        print(f"  {joint:6} {_law(summary['laws'][joint], PARAMETERS[f'{joint}_stiffness'].unit)}")
+    for name, law in summary.get("nerves", {}).items():
+        print(f"  {name.replace('_', ' ')}: {_law(law, PARAMETERS[name].unit)}")
+
+
+def _law(law: Mapping[str, Any], unit: str) -> str:
+    """Return a distribution in words."""
+    law = dict(law)
+    kind, relative = law.pop("distribution"), law.pop("relative_to")
+    if not law:
+        return str(kind)
+    numbers = ", ".join(f"{name} {value}" for name, value in law.items())
+    if relative in RELATIVE:
+        seconds = "s " if unit == PARAMETERS["ankle_damping"].unit else ""
+        unit = f"{seconds}of {RELATIVE[relative]}"
+    return f"{kind} {numbers} {unit}"
 
 
 def _print_unstable(summary: Mapping[str, Any]) -> None:
     low, high = summary["unstable_fraction_interval"]
     unstable = _percent(summary["unstable_fraction"])
     print(f"\nunstable   {unstable}   [{_percent(low)}, {_percent(high)}]")
+    if "unstable_by_springs_alone" in summary:
+        low, high = summary["unstable_by_springs_alone_interval"]
+        alone = _percent(summary["unstable_by_springs_alone"])
+        print(
+            f"  by springs alone, without feedback: {alone}   [{_percent(low)}, {_percent(high)}]"
+        )
     if summary["people"].get("survey_interval"):
         low, high = summary["people"]["survey_interval"]
         print(f"  as the people are a sample themselves: [{_percent(low)}, {_percent(high)}]")

@@ -1,12 +1,15 @@
 """``standfast sweep``: a study into an atlas file."""
 
 import argparse
+import sys
 from pathlib import Path
 from typing import Any
 
 from standfast.cli.parsing import add_command
 from standfast.cli.running import add_run_options, output_of, run_shards
 from standfast.files import in_bytes
+from standfast.mechanics.feedback import likely_per_degree
+from standfast.parameters import GAINS
 from standfast.study.study import Study
 
 
@@ -24,6 +27,9 @@ def add(commands: Any) -> None:
 
 def _sweep(options: argparse.Namespace) -> None:
     study = Study.from_toml(options.study)
+    largest = {name: float(axis.max()) for name, axis in study.axes.items() if name in GAINS}
+    if note := likely_per_degree({**study.fixed, **largest}):
+        print(f"standfast: {note}", file=sys.stderr)
     output = output_of(options)
     if output.exists() and options.part is None:
         _compute(study, output)

@@ -10,6 +10,7 @@ from standfast.study.study import Study
 
 if TYPE_CHECKING:
     from standfast.thresholds.contours import Contour
+    from standfast.thresholds.regions import Region
 
 MOST_LINES = 20
 
@@ -19,7 +20,7 @@ def add(commands: Any) -> None:
     parser = add_command(
         commands,
         _thresholds,
-        "limits of standing over ankle and hip: exact curves of a study, contours of an atlas",
+        "limits of standing: exact curves over ankle and hip of a study, contours of an atlas",
         "thresholds atlas.h5 -o results",
     )
     parser.add_argument("source", type=Path, metavar="FILE.h5|STUDY.toml")
@@ -27,11 +28,12 @@ def add(commands: Any) -> None:
 
 
 def _thresholds(options: argparse.Namespace) -> None:
-    from standfast.thresholds import contours, tables
+    from standfast.thresholds import contours, regions, tables
 
     source: Path = options.source
     folder = made_folder(options.output)
     lines: list[str] = []
+    found: Iterator[Contour | Region]
     if source.suffix == ".toml":
         study = Study.from_toml(source)
         found = contours.exact_contours(study)
@@ -40,8 +42,15 @@ def _thresholds(options: argparse.Namespace) -> None:
 
         atlas = open_atlas(source)
         study = atlas.study
-        lines.append(f"contours of {contours.source_of(atlas)[0]}, plane by plane:")
-        found = _described(contours.extracted_contours(atlas), lines)
+        if study.has_gains:
+            lines.append(
+                f"contours of {regions.source_of(atlas)} over "
+                f"{' and '.join(regions.plane_of(study))}, plane by plane:"
+            )
+            found = _counted(regions.regions(atlas), lines)
+        else:
+            lines.append(f"contours of {contours.source_of(atlas)[0]}, plane by plane:")
+            found = _described(contours.extracted_contours(atlas), lines)
     # the files first: whoever reads what is printed may have seen enough after one line
     written = tables.write_tables(study, found, folder / f"{source.stem}-thresholds")
     for line in lines:
@@ -66,3 +75,21 @@ def _described(found: Iterator["Contour"], lines: list[str]) -> Iterator["Contou
         yield contour
     if count > MOST_LINES:
         lines.append(f"  … {count} planes in all, distance at most {greatest:.3g} N·m/rad")
+
+
+def _counted(found: Iterator["Region"], lines: list[str]) -> Iterator["Region"]:
+    """Hand regions on; add to ``lines`` how much of the first ones stands, and within how many."""
+    count = 0
+    for count, region in enumerate(found, start=1):
+        if count <= MOST_LINES:
+            where = ", ".join(f"{key} {value}" for key, value in region.values.items())
+            share = f"{region.stands.sum():,} of {region.stands.size:,} points stand"
+            lines.append(f"  {where or 'the plane'}: {share}, {_limits(region)}")
+        yield region
+    if count > MOST_LINES:
+        lines.append(f"  … {count} planes in all")
+
+
+def _limits(region: "Region") -> str:
+    count = len(region.lines)
+    return "no limit among them" if not count else f"{count} line{'s' if count > 1 else ''}"

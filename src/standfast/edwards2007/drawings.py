@@ -47,7 +47,7 @@ def draw_figure_3(body: Body, folder: Path) -> list[Path]:
         name = "$K_k$ rigid" if math.isinf(knee) else f"{knee:g}"
         contours[name] = plane.limit_of_standing(steps, steps)
     with style.paper_figure(height=3.7) as (figure, (ax,)):
-        standing.stability_contours(ax, contours, ankle_limits=limits, hip_limits=limits)
+        standing.stability_contours(ax, contours, xlim=limits, ylim=limits)
         ax.set(xlabel=PARAMETERS[ANKLE].label, ylabel=PARAMETERS[HIP].label, aspect="equal")
         ankle, hip = paper.ankle_alone(body), paper.hip_alone(body)
         ax.axvline(ankle, color=style.GREY, linewidth=0.6)

@@ -1,14 +1,23 @@
 """The tiles of a study: each group by its steps or as numbers."""
 
+from collections.abc import Callable
+
 import jax
 import numpy as np
 
+from standfast.engine.delays import Delays
 from standfast.engine.mapping import Inputs
 from standfast.engine.memory import keep_freed_memory
 from standfast.engine.steps import Steps
 from standfast.engine.values import Values
-from standfast.study.grid import Tile
+from standfast.study.grid import Group, Tile
 from standfast.study.study import Study
+
+WAYS: dict[str, Callable[[Study, Group, Inputs], Steps | Values | Delays]] = {
+    "steps": Steps,
+    "numbers": Values,
+    "fed back": Delays,
+}
 
 
 class Evaluator:
@@ -21,10 +30,7 @@ class Evaluator:
     def __init__(self, study: Study) -> None:
         keep_freed_memory()
         inputs = Inputs(study)
-        self._groups = [
-            Steps(study, group, inputs) if group.by_steps else Values(study, group, inputs)
-            for group in study.grid.groups
-        ]
+        self._groups = [WAYS[group.way](study, group, inputs) for group in study.grid.groups]
 
     def __call__(self, tile: Tile) -> tuple[np.ndarray, ...]:
         """Compute one tile."""
@@ -43,3 +49,8 @@ class Evaluator:
     def resolved_exactly(self) -> int:
         """Verdicts so far that rounding could have decided, and exact arithmetic did."""
         return sum(group.resolved for group in self._groups if isinstance(group, Steps))
+
+    @property
+    def left_open(self) -> int:
+        """Persons with delayed feedback so far of whom rounding left something open."""
+        return sum(group.left_open for group in self._groups if isinstance(group, Delays))

@@ -67,6 +67,45 @@ def map_over_batch(
     return evaluate
 
 
+# Persons that are handed to a compiled function at once: small enough for the processor's cache.
+BATCH = 4096
+
+
+def in_batches(function: Callable[..., Any], problem: Hashable, *arrays: np.ndarray) -> Any:
+    """Apply a pure function of a problem and arrays, persons last, compiled, batch by batch.
+
+    What :mod:`standfast.stability.delay` hands its functions to as ``apply``. Every batch has one
+    length, so that each function compiles once a problem.
+    """
+    run = _of_batch(function, problem)
+    count = arrays[-1].shape[-1]
+    pieces = []
+    with jax.enable_x64(True):
+        for first in range(0, max(count, 1), BATCH):
+            batch = [array[..., first : first + BATCH] for array in arrays]
+            size = batch[-1].shape[-1]
+            if size < BATCH:
+                # beyond the end the last person again; of nobody ones, which are thrown away
+                batch = [_filled_up(array) for array in batch]
+            found = run(*batch)
+            parts = found if isinstance(found, tuple) else (found,)
+            pieces.append([np.asarray(part)[..., :size] for part in parts])
+    whole = tuple(np.concatenate(parts, axis=-1) for parts in zip(*pieces, strict=True))
+    return whole if isinstance(found, tuple) else whole[0]
+
+
+def _filled_up(array: np.ndarray) -> np.ndarray:
+    missing = BATCH - array.shape[-1]
+    if not array.shape[-1]:
+        return np.ones((*array.shape[:-1], BATCH))
+    return np.concatenate([array, np.repeat(array[..., -1:], missing, axis=-1)], axis=-1)
+
+
+@lru_cache(maxsize=128)
+def _of_batch(function: Callable[..., Any], problem: Hashable) -> Callable[..., Any]:
+    return compiled(lambda *arrays: function(problem, *arrays))
+
+
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function with what this machine's processor likes."""
     options = COMPILER_OPTIONS if jax.default_backend() == "cpu" else None
@@ -87,6 +126,11 @@ class Inputs:
             name: jax.tree.map(lambda leaf: leaf[0], _along(name, np.array([value])))
             for name, value in self.plainly.items()
         }
+
+    @property
+    def given(self) -> set[str]:
+        """The names of all parameters that a program takes."""
+        return self.fixed.keys() | self.along.keys()
 
     def pieces(self, places: Mapping[str, np.ndarray]) -> dict[str, Any]:
         """Return what lies at some places of each axis."""

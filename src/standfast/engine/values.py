@@ -20,7 +20,7 @@ from standfast.engine.mapping import (
     map_over_points,
 )
 from standfast.numerics.arrays import Scalar
-from standfast.parameters import STIFFNESSES
+from standfast.parameters import COUPLINGS, STIFFNESSES
 from standfast.quantities import QUANTITIES, Person, Quantity
 from standfast.study.grid import Group, Tile
 from standfast.study.study import Study
@@ -36,12 +36,13 @@ class Values:
         self.group, self.inputs = group, inputs
         rows = tuple(QUANTITIES[name] for name in group.quantities)
         rigid = any(study.fixed.get(name) == math.inf for name in STIFFNESSES)
+        coupled = not inputs.given.isdisjoint(COUPLINGS)
         # a reference that is computed anyway, for another quantity, serves all that share it
-        needed = {row.reference for row in rows if row.fast is None}
+        needed = {row.at_point for row in rows if row.fast is None}
         self.fast = tuple(
             number
             for number, row in enumerate(rows)
-            if row.fast is not None and row.reference not in needed and not rigid
+            if row.fast is not None and row.at_point not in needed and not (rigid or coupled)
         )
         self.on_grid = _on_grid(rows, self.fast, group.axes)
         self.reference = _at_points(tuple(rows[n] for n in self.fast), on_axes=bool(group.axes))
@@ -118,7 +119,7 @@ def _quantities(
     flag: Scalar = None
     values = []
     for number, row in enumerate(rows):
-        find = row.fast if number in fast and row.fast is not None else row.reference
+        find = row.fast if number in fast and row.fast is not None else row.at_point
         if find not in found:
             found[find] = find(person)
             if find is row.fast:

@@ -1,5 +1,6 @@
 """Figures of a population, from its file: who falls, what it would take, and what drives it."""
 
+import itertools
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -10,13 +11,22 @@ from matplotlib.ticker import PercentFormatter
 
 from standfast.figures.style import BLUE, GREY, LINE_STYLES, VERMILION, paper_figure, save
 from standfast.parameters import JOINTS, PARAMETERS
+from standfast.population.people.records import SEXES
+from standfast.population.summary.arrays import AGES
 from standfast.population.summary.file import Population
 from standfast.quantities import QUANTITIES
 
-DRIVEN = {"unstable": "falling", "safety_factor": "the safety factor"}
+DRIVEN = {
+    "unstable": "falling",
+    "safety_factor": "the safety factor",
+    "delay_margin": "the delay margin",
+}
 
 # A cell of the risk map with fewer persons says more of chance than of risk.
 FEWEST = 50
+
+# With feedback, and fewer falls than that, a map of them shows chance alone.
+FEWEST_FALLS = 0.01
 
 # The risk map shows cells of 5 cm by 1 kg/m², two of the stored ones each way.
 TOGETHER = 2
@@ -26,9 +36,14 @@ def draw(population: Population, stem: Path, formats: Sequence[str] = ("png",)) 
     """Draw all figures of a population as ``stem``-….png; return the files."""
     pictures: dict[str, tuple[float, Callable[[Axes, Population], object]]] = {
         "risk-map": (2.8, _risk_map),
-        "risk-by-multiple": (2.6, _risk_by_multiple),
-        "safety-factor": (2.5, _survival),
     }
+    if population.study.is_fed_back:
+        pictures["standing-by-delay"] = 2.8, _standing_by_delay
+        if population.summary["unstable_fraction"] < FEWEST_FALLS:
+            del pictures["risk-map"]
+    else:
+        pictures["risk-by-multiple"] = 2.6, _risk_by_multiple
+        pictures["safety-factor"] = 2.5, _survival
     for output, indices in population.summary["drivers"].items():
         if "remark" not in indices:
             height = 1.1 + 0.36 * len(indices)
@@ -104,6 +119,28 @@ def _survival(ax: Axes, population: Population) -> None:
     ax.text(0.02, 0.04, "fall", transform=ax.transAxes, fontsize=7, color=GREY)
     ax.yaxis.set_major_formatter(PercentFormatter(1.0))
     ax.set(xlabel=QUANTITIES["safety_factor"].label, ylabel="Persons above it", ylim=(0.0, 1.0))
+
+
+def _standing_by_delay(ax: Axes, population: Population) -> None:
+    """Draw the share of persons who stand up to each delay: of all, and by sex and age."""
+    delay, everybody = population.array("delay"), population.array("standing")
+    by_both = population.array("standing_by_sex_and_age")
+    seen = np.isfinite(by_both[..., 0])
+    several = seen.sum() > 1
+    ages = [number for number in range(len(AGES)) if seen[:, number].any()]
+    colors = dict(zip(SEXES, (BLUE, VERMILION, GREY), strict=True))
+    for (sex, color), curves in zip(colors.items(), by_both, strict=True):
+        for style, age in zip(itertools.cycle(LINE_STYLES[1:]), ages):
+            if several and np.isfinite(curves[age, 0]):
+                label = f"{sex} {AGES[age]}".replace("unknown unknown", "unknown")
+                ax.plot(delay, curves[age], linestyle=style, color=color, label=label)
+    ax.plot(delay, everybody, color="black", label="all")
+    changing = delay[(everybody > 0.002) & (everybody < everybody.max() - 0.002)]
+    if changing.size:
+        ax.set_xlim(max(float(changing[0]) - 0.05, 0.0), float(changing[-1]) + 0.02)
+    ax.yaxis.set_major_formatter(PercentFormatter(1.0))
+    ax.set(xlabel="Delay of the feedback (s)", ylabel="Persons who stand up to it", ylim=(0, 1))
+    ax.legend(loc="best", edgecolor="none")
 
 
 def _drivers(ax: Axes, population: Population, output: str) -> None:

@@ -43,24 +43,35 @@ def root_locus(ax: Axes, hip_stiffness: np.ndarray, roots: np.ndarray) -> None:
 
 
 def stability_contours(
-    ax: Axes, contours: Curves, *, ankle_limits: Limits, hip_limits: Limits, inline: bool = True
+    ax: Axes, contours: Curves, *, xlim: Limits, ylim: Limits, inline: bool = True
 ) -> None:
-    """Draw curves of neutral stability (ankle, hip; N·m/rad), one a knee stiffness.
+    """Draw curves of neutral stability (horizontal, vertical), one a knee stiffness or a delay.
 
-    Named where they run, or with ``inline=False`` for a legend.
+    NaN separates the lines of one curve. Named where they run, or with ``inline=False`` for a
+    legend.
     """
     for number, (name, (ankle, hip)) in enumerate(contours.items()):
         style = LINE_STYLES[number % len(LINE_STYLES)]
         color = "black" if "rigid" in name else BLUE
         ax.plot(ankle, hip, linestyle=style, color=color, label=None if inline else name)
     if inline:
-        _name_curves(ax, contours, np.array([np.ptp(ankle_limits), np.ptp(hip_limits)]))
-    ax.set(xlim=ankle_limits, ylim=hip_limits)
+        name_curves(ax, contours, np.array([xlim, ylim]))
+    ax.set(xlim=xlim, ylim=ylim)
 
 
-def _name_curves(ax: Axes, contours: Curves, scale: np.ndarray) -> None:
-    """Write each curve's name on it, where other curves and names are farthest."""
-    curves = {name: np.column_stack(curve) / scale for name, curve in contours.items()}
+def name_curves(
+    ax: Axes, contours: Curves, frame: np.ndarray, *, crowded: bool = True, fontsize: float = 7
+) -> None:
+    """Write each curve's name on it, where other curves and names are farthest.
+
+    ``frame`` are the ends of both axes; unless ``crowded``, a name for which there is no room is
+    left away.
+    """
+    low, scale = frame[:, 0], np.ptp(frame, axis=1)
+    points = {name: np.column_stack(curve) for name, curve in contours.items() if name}
+    curves = {
+        name: (each[np.isfinite(each).all(axis=1)] - low) / scale for name, each in points.items()
+    }
     names: list[np.ndarray] = []
     for name, curve in curves.items():
         if len(curve) == 0:
@@ -74,13 +85,15 @@ def _name_curves(ax: Axes, contours: Curves, scale: np.ndarray) -> None:
             _clearance(curve[steps], obstacles, LABEL_SIZE),
             _clearance(curve[steps], np.array(names).reshape(-1, 2), 2.0 * LABEL_SIZE),
         )
+        if clear.max() < 1.0 and not crowded:
+            continue
         # farther than two label sizes from its neighbours a name need not be: where all is open,
         # the middle of the curve
         best = np.flatnonzero(clear >= min(clear.max(), 2.0))
         at = steps[best[best.size // 2]]
         names.append(curve[at])
-        ankle_at, hip_at = curve[at] * scale
-        remark(ax, ankle_at, hip_at, name)
+        across, up = low + curve[at] * scale
+        remark(ax, across, up, name, fontsize=fontsize)
 
 
 def _clearance(points: np.ndarray, obstacles: np.ndarray, size: np.ndarray) -> np.ndarray:
@@ -103,16 +116,25 @@ def quantity_map(
     *,
     limits: Limits,
     stable: np.ndarray | None = None,
+    shades: int | None = None,
+    outlined: bool = True,
 ) -> AxesImage | PcolorImage | QuadMesh:
-    """Draw values (len(y), len(x)) as a map; where ``stable`` is False, it is hatched."""
+    """Draw values (len(y), len(x)) as a map; where ``stable`` is False, it is hatched.
+
+    ``outlined``: with a line around it. ``shades`` is the number of colours, for whole numbers;
+    None: as many as there are.
+    """
     # an image where the axes are even, which is drawn ten times as fast as a mesh
-    drawn = ax.pcolorfast(_edges(x), _edges(y), values, cmap="cividis")
+    colours = mpl.colormaps["cividis"].resampled(shades) if shades else "cividis"
+    drawn = ax.pcolorfast(_edges(x), _edges(y), values, cmap=colours)
     drawn.set_rasterized(True)
     drawn.set_clim(*limits)
     if stable is not None and stable.any() and not stable.all():
+        ax.set_facecolor("0.75")  # under what has no value
         with mpl.rc_context({"hatch.color": "white", "hatch.linewidth": 0.4}):
             ax.contourf(x, y, ~stable, levels=[0.5, 1.5], colors="none", hatches=["////"])
-        ax.contour(x, y, stable, levels=[0.5], colors="black", linewidths=1.2)
+        if outlined:
+            ax.contour(x, y, stable, levels=[0.5], colors="black", linewidths=1.2)
     return drawn
 
 
@@ -153,6 +175,8 @@ def quantity_curves(
     finite = np.concatenate([values[np.isfinite(values)] for values in curves.values()])
     if finite.size and finite.min() > 0.0 and finite.max() > 8.0 * np.median(finite):
         ax.set_ylim(0.0, 4.0 * np.median(finite))
+    if finite.size and finite.min() < 0.0 < finite.max():
+        ax.axhline(0.0, color=GREY, linewidth=0.5)
     ax.set(xlabel=PARAMETERS[axis].label, ylabel=label)
 
 
@@ -165,6 +189,6 @@ def frequency_against_bmi(ax: Axes, bmi: np.ndarray, curves: Mapping[str, np.nda
         ax.plot(bmi, curve, linestyle=style, color=BLUE, label=name)
     ax.set(xlim=(bmi[0], bmi[-1]), ylim=(1.15 * low, None))
     ax.text(bmi[0] + 0.3, 0.9 * low, "falls: minus the growth rate (1/s)", fontsize=7, color=GREY)
-    ax.set_xlabel(PARAMETERS["bmi"].label.replace("Bmi", "Body mass index"))
+    ax.set_xlabel(PARAMETERS["bmi"].label.replace("BMI", "Body mass index"))
     ax.set_ylabel(r"Least stable mode, $\omega$ (rad/s)")
     ax.legend(title="Height", frameon=False, loc="upper right", alignment="left")

@@ -10,7 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from standfast.anthropometry.body import Body
 from standfast.errors import InputError, shortened
+from standfast.mechanics.joints import Stiffness
+from standfast.mechanics.matrices import joint_inertia, stiffness_rows
 from standfast.numerics.arrays import Array, Matrix, Scalar, namespace
 from standfast.parameters import (
     DAMPINGS,
@@ -147,6 +150,19 @@ def gain_rows(given: Mapping[str, Any], kind: str) -> Matrix:
     """Return P (``kind`` "proportional") or D ("derivative") as rows, of parameters by name."""
     gains = [given.get(gain_name(kind, *loop), 0.0) for loop in LOOPS]
     return tuple(gains[:3]), tuple(gains[3:6]), tuple(gains[6:])
+
+
+def equation_of(
+    body: Body, stiffness: Stiffness, gravity: Scalar, given: Mapping[str, Any]
+) -> tuple[Matrix, Matrix, Matrix, Matrix, Matrix]:
+    """Return A, B, C, P and D as rows; ``given`` holds damping and gains by name."""
+    return (
+        joint_inertia(body),
+        damping_rows(given),
+        stiffness_rows(body, stiffness, gravity),
+        gain_rows(given, "proportional"),
+        gain_rows(given, "derivative"),
+    )
 
 
 def delay_of(given: Mapping[str, Any]) -> Scalar:

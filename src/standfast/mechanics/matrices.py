@@ -9,7 +9,7 @@ a, k, h ankle, knee, hip (Gait & Posture 25 (2007) 432-439).
 """
 
 from standfast.anthropometry.body import Body
-from standfast.mechanics.joints import Stiffness, checked_person
+from standfast.mechanics.joints import NO_COUPLING, Stiffness, checked_person
 from standfast.numerics.arrays import Array, Matrix, Scalar, Vector, namespace, stacked
 from standfast.numerics.pairs import Pair, add, multiply, negate, product
 from standfast.parameters import STANDARD_GRAVITY
@@ -30,12 +30,13 @@ def inertia_matrix(body: Body) -> Array:
 def stiffness_matrix(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY) -> Array:
     """Return the stiffness matrix C of the linearised equations, springs less gravity.
 
-    C = diag(Ka, Kk, Kh) − [[G1, G2, G3], [G2, G2, G3], [G3, G3, G3]]
-    with G1 = γs + γt + γb, G2 = γt + γb, G3 = γb of :func:`gravity_loads`.
+    C = K − [[G1, G2, G3], [G2, G2, G3], [G3, G3, G3]]
+    with K = [[Ka, Kak, Kah], [Kak, Kk, Kkh], [Kah, Kkh, Kh]] and
+    G1 = γs + γt + γb, G2 = γt + γb, G3 = γb of :func:`gravity_loads`.
 
     Returns
     -------
-    (3, 3), N·m/rad, symmetric; a rigid joint has ``inf`` on the diagonal.
+    (3, 3), N·m/rad, symmetric; a rigid joint has ``inf`` on the diagonal, and no coupling.
 
     Raises
     ------
@@ -50,11 +51,33 @@ def stiffness_rows(body: Body, stiffness: Stiffness, gravity: Scalar) -> Matrix:
     """Return C as rows."""
     (g1, g2, g3), _, _ = joint_gravity(body, gravity)
     ankle, knee, hip = stiffness.joints
+    c12, c23, c13 = -g2, -g3, -g3
+    if stiffness.is_coupled:
+        ankle_knee, knee_hip, ankle_hip = couplings_of_free(stiffness)
+        c12, c23, c13 = ankle_knee - g2, knee_hip - g3, ankle_hip - g3
+    return ((ankle - g1, c12, c13), (c12, knee - g2, c23), (c13, c23, hip - g3))
+
+
+def couplings_of_free(stiffness: Stiffness) -> Vector:
+    """Return the couplings of :class:`.Stiffness`, those of a rigid joint as 0."""
+    if not stiffness.is_coupled:
+        return NO_COUPLING
+    xp = namespace(*stiffness)
+    ankle, knee, hip = (xp.isinf(k) for k in stiffness.joints)
+    ankle_knee, knee_hip, ankle_hip = stiffness.couplings
     return (
-        (ankle - g1, -g2, -g3),
-        (-g2, knee - g2, -g3),
-        (-g3, -g3, hip - g3),
+        xp.where(ankle | knee, 0.0, ankle_knee),
+        xp.where(knee | hip, 0.0, knee_hip),
+        xp.where(ankle | hip, 0.0, ankle_hip),
     )
+
+
+def coupling_rows(stiffness: Stiffness) -> Matrix | None:
+    """Return what stands beside the diagonal of K, as rows; None without any coupling."""
+    if not stiffness.is_coupled:
+        return None
+    ankle_knee, knee_hip, ankle_hip = couplings_of_free(stiffness)
+    return ((0.0, ankle_knee, ankle_hip), (ankle_knee, 0.0, knee_hip), (ankle_hip, knee_hip, 0.0))
 
 
 def gravity_loads(body: Body, gravity: Scalar) -> Vector:
@@ -112,15 +135,20 @@ def joint_inertia(body: Body) -> Matrix:
 def second_variation(body: Body, stiffness: Stiffness, gravity: Scalar, rotation: Vector) -> Scalar:
     """Return qᵀ C q, twice the potential energy of a small rotation, to the last digits.
 
-    qᵀ C q = Ka θa² + Kk θk² + Kh θh² − γs φs² − γt φt² − γb φb²: near the threshold of stability
-    springs and gravity cancel, so the whole sum is carried in pairs of float64. A rigid joint
-    stores nothing: its rotation is 0.
+    qᵀ C q = Ka θa² + Kk θk² + Kh θh² + 2 Kak θa θk + 2 Kkh θk θh + 2 Kah θa θh − γs φs² − γt φt²
+    − γb φb²: near the threshold of stability springs and gravity cancel, so the whole sum is
+    carried in pairs of float64. A rigid joint stores nothing: its rotation is 0.
     """
     xp = namespace(*body, *stiffness, gravity, *rotation)
     total = angle = (xp.asarray(0.0), xp.asarray(0.0))
     for k, turn in zip(stiffness.joints, rotation, strict=True):
         flexible = xp.where(xp.isinf(k), 0.0, k)
         total = add(total, multiply(product(turn, turn), (flexible, 0.0)))
+    if stiffness.is_coupled:
+        ankle, knee, hip = rotation
+        turned = ((ankle, knee), (knee, hip), (ankle, hip))
+        for k, both in zip(couplings_of_free(stiffness), turned, strict=True):
+            total = add(total, multiply(product(*both), (2.0 * k, 0.0)))
     for load, turn in zip(gravity_load_pairs(body, gravity), rotation, strict=True):
         angle = add(angle, (turn, 0.0))
         total = add(total, negate(multiply(load, multiply(angle, angle))))

@@ -15,8 +15,9 @@ import numpy as np
 
 from standfast.anthropometry.body import Body
 from standfast.mechanics.joints import Stiffness
-from standfast.mechanics.matrices import gravity_loads, segment_inertia
+from standfast.mechanics.matrices import coupling_rows, gravity_loads, segment_inertia
 from standfast.numerics.arrays import Array, Scalar, Vector, namespace
+from standfast.numerics.vectors import dot
 from standfast.parameters import checked_scalar
 
 
@@ -29,7 +30,7 @@ def segment_angles(rotation: Vector) -> Vector:
 def potential_energy(body: Body, stiffness: Stiffness, gravity: Scalar, rotation: Vector) -> Scalar:
     """Return the energy of springs and gravity at any posture, 0 when upright (J).
 
-    V = ½ (Ka θa² + Kk θk² + Kh θh²) − γs (1 − cos φs) − γt (1 − cos φt) − γb (1 − cos φb).
+    V = ½ qᵀ K q − γs (1 − cos φs) − γt (1 − cos φt) − γb (1 − cos φb).
     A rigid joint stores nothing while its rotation is 0, and would store infinitely much.
 
     Raises
@@ -39,8 +40,8 @@ def potential_energy(body: Body, stiffness: Stiffness, gravity: Scalar, rotation
     """
     checked_scalar("gravity", gravity)
     xp = namespace(*body, *stiffness, gravity, *rotation)
-    turned = zip(stiffness.joints, rotation, strict=True)
-    springs = sum(0.5 * _spring_moment(xp, k, angle) * angle for k, angle in turned)
+    moments = zip(_spring_moments(xp, stiffness, rotation), rotation, strict=True)
+    springs = sum(0.5 * moment * angle for moment, angle in moments)
     # 1 − cos φ as 2 sin²(φ/2), which keeps its digits at small angles
     segments = zip(gravity_loads(body, gravity), segment_angles(rotation), strict=True)
     drop = sum(load * 2.0 * xp.sin(0.5 * angle) ** 2 for load, angle in segments)
@@ -105,10 +106,18 @@ def joint_moments(
             for entry, other, rate, turn in zip(row, angles, rates, turning, strict=True)
         )
         on_segments.append(moment - load * xp.sin(angle))
-    springs = [
-        _spring_moment(xp, k, angle) for k, angle in zip(stiffness.joints, rotation, strict=True)
-    ]
+    springs = _spring_moments(xp, stiffness, rotation)
     return xp.stack([springs[i] + sum(on_segments[i:]) for i in range(3)])
+
+
+def _spring_moments(xp: Any, stiffness: Stiffness, rotation: Vector) -> list[Scalar]:
+    """Return K q, the moments of the springs."""
+    turned = zip(stiffness.joints, rotation, strict=True)
+    moments = [_spring_moment(xp, k, angle) for k, angle in turned]
+    across = coupling_rows(stiffness)
+    if across is None:
+        return moments
+    return [moment + dot(row, rotation) for moment, row in zip(moments, across, strict=True)]
 
 
 @np.errstate(invalid="ignore")

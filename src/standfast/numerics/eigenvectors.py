@@ -2,9 +2,10 @@
 
 The problem is (diag(K) − P) v = λ B v with springs K ≥ 0 (``inf`` = rigid), P symmetric and
 B symmetric positive definite. All quantities that need an eigenvector are one of three cases:
-the modes (P gravity, B inertia), the stiffness reserve (P gravity, B = 1) and the safety factor
-(P = 0, B gravity). Only vectors are made here: the caller takes the eigenvalue from the quotient
-of two energies, whose error is the square of the vector's.
+the modes (P gravity, B inertia), the stiffness reserve (P gravity, B = 1) and the safety factor of
+coupled joints (P = 0, B gravity). What couples the joints is taken off P. Only vectors are made
+here: the caller takes the eigenvalue from the quotient of two energies, whose error is the square
+of the vector's.
 """
 
 from standfast.numerics.arrays import Matrix, Scalar, Vector, namespace
@@ -14,7 +15,7 @@ IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 def spring_eigenvectors(
-    springs: Vector, load: Matrix, metric: Matrix, shift: Scalar
+    springs: Vector, load: Matrix, metric: Matrix, shift: Scalar, coupling: Matrix | None = None
 ) -> tuple[Vector, Vector, Vector]:
     """Return the eigenvectors of (diag(K) − P) v = λ B v, ascending in λ.
 
@@ -25,8 +26,15 @@ def spring_eigenvectors(
     symmetric matrix XᵀX, X = R⁻¹ S L, has these eigenvalues, and v = L⁻ᵀ u. In the finite modes a
     rigid joint has rotation 0 exactly; the vectors that belong to λ = ∞, one for each rigid joint,
     come last and mean nothing.
+
+    ``coupling`` is what the springs have beside the diagonal, 0 at a rigid joint: it is taken off
+    P, and σ, large enough for P alone, grows by a bound of its eigenvalues in the metric B.
     """
     xp = namespace(*springs, *(entry for row in (*load, *metric) for entry in row), shift)
+    inverse = inverse_of_cholesky(metric)
+    if coupling is not None:
+        load = _entrywise(load, coupling)
+        shift = shift + _largest_row(coupling, inverse)
     w = [[shift * metric[i][j] - load[i][j] for j in range(3)] for i in range(3)]
     s = [1.0 / xp.sqrt(springs[i] + w[i][i]) for i in range(3)]
     unit = (
@@ -35,7 +43,7 @@ def spring_eigenvectors(
         (s[0] * s[2] * w[2][0], s[1] * s[2] * w[2][1], 1.0),
     )
     r = inverse_of_cholesky(unit)
-    (i11, _, _), (i21, i22, _), (i31, i32, i33) = inverse_of_cholesky(metric)
+    (i11, _, _), (i21, i22, _), (i31, i32, i33) = inverse
     # L from its inverse, lower triangular: the diagonal is reciprocal, the rest by substitution
     l11, l22, l33 = 1.0 / i11, 1.0 / i22, 1.0 / i33
     l21 = -l22 * i21 * l11
@@ -56,6 +64,22 @@ def spring_eigenvectors(
     squared = (matvec(x, x[0]), matvec(x, x[1]), matvec(x, x[2]))
     first, second, third = symmetric_eigenvectors(squared)
     return shape(first), shape(second), shape(third)
+
+
+def _entrywise(a: Matrix, b: Matrix) -> Matrix:
+    """Return a − b."""
+    first, second, third = (
+        (x[0] - y[0], x[1] - y[1], x[2] - y[2]) for x, y in zip(a, b, strict=True)
+    )
+    return first, second, third
+
+
+def _largest_row(matrix: Matrix, inverse: Matrix) -> Scalar:
+    """Return the largest sum of sizes of a row of L⁻¹ M L⁻ᵀ, which bounds its eigenvalues."""
+    xp = namespace(*(entry for row in (*matrix, *inverse) for entry in row))
+    turned = [matvec(matrix, row) for row in inverse]
+    sums = [sum(abs(dot(row, column)) for column in turned) for row in inverse]
+    return xp.maximum(xp.maximum(sums[0], sums[1]), sums[2])
 
 
 def inverse_of_cholesky(matrix: Matrix) -> Matrix:

@@ -16,6 +16,8 @@ from itertools import pairwise
 from math import comb
 from typing import TypeAlias
 
+import numpy as np
+
 from standfast.numerics.arrays import ROUNDOFF, Scalar, namespace
 
 Polynomial: TypeAlias = list[Scalar]
@@ -78,6 +80,19 @@ def value_at(p: Sequence[Scalar], x: Scalar) -> Scalar:
     for coefficient in p[-2::-1]:
         total = total * x + coefficient
     return total
+
+
+def all_roots(coefficients: np.ndarray) -> np.ndarray:
+    """Return the complex roots of many plain polynomials, (degree + 1, many), as (many, degree).
+
+    Eigenvalues of companion matrices; the highest coefficients are not 0.
+    """
+    degree, many = coefficients.shape[0] - 1, coefficients.shape[1]
+    companion = np.zeros((many, degree, degree))
+    companion[:, np.arange(1, degree), np.arange(degree - 1)] = 1.0
+    companion[:, :, -1] = -(coefficients[:-1] / coefficients[-1]).T
+    found: np.ndarray = np.linalg.eigvals(companion)
+    return found
 
 
 def elevated(p: Sequence[Scalar], degree: int) -> Polynomial:

@@ -42,7 +42,8 @@ class Parameter:
     @property
     def label(self) -> str:
         """Axis label of a figure: words, symbol and unit."""
-        return label(self.name.replace("_", " "), self.symbol, self.unit)
+        words = self.name.replace("_", " ") if self.symbol else self.name.upper()
+        return label(words, self.symbol, self.unit)
 
     @property
     def place(self) -> str:
@@ -121,6 +122,9 @@ def gain_name(kind: str, moment: str, rotation: str) -> str:
 
 def _pair(moment: str, rotation: str) -> str:
     return moment if moment == rotation else f"{moment}_{rotation}"
+
+
+GAINS = tuple(gain_name(kind, *loop) for kind in ("proportional", "derivative") for loop in LOOPS)
 
 
 def _gain(kind: str, symbol: str, unit: str, moment: str, rotation: str) -> Parameter:

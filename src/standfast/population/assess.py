@@ -15,11 +15,19 @@ from standfast.files import for_spreadsheets, whole_file
 from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import Scalar
-from standfast.parameters import JOINTS, STIFFNESSES
+from standfast.parameters import GAINS, JOINTS, PARAMETERS, STIFFNESSES
+from standfast.population.cohort.nerves import entries_of, judged
+from standfast.population.cohort.persons import load_of
+from standfast.population.people.distributions import Distributions, ParameterDistribution
 from standfast.population.people.records import People
+from standfast.population.people.sections import NERVES
 from standfast.stability.margins import safety_factor, stiffness_reserve
 from standfast.stability.modes import frequency, modes, ratio_to_ankle
 from standfast.stability.springs import critical_stiffness, verdict
+
+DELAY = "feedback_delay"
+# How the names of columns say units.
+UNITS = {"N·m/rad": "Nm_rad", "N·m·s/rad": "Nms_rad", "s": "s"}
 
 
 @dataclass(frozen=True)
@@ -46,15 +54,18 @@ def assess(
     body_model: str = "winter",
     gravity: float,
     otherwise: Mapping[str, float] | None = None,
+    nerves: Distributions = (),
 ) -> Assessment:
     """Assess persons one by one; ``otherwise`` is stiffness by joint where it is not known.
 
     Found are thresholds of each joint alone (the other two rigid) and with the other two as they
-    are, safety factor, reserve, frequency, strategy, and what each joint would have to gain.
+    are, safety factor, reserve, frequency, strategy, and what each joint would have to gain: all of
+    springs alone. With gains, which people have or ``nerves`` fixes where they have none, follow
+    the verdict, critical delay and delay margin with feedback (Distributions that are fixed).
     """
     known = {}
     for joint in JOINTS:
-        measured = people.stiffness.get(f"{joint}_stiffness", np.full(len(people), math.nan))
+        measured = people.measured.get(f"{joint}_stiffness", np.full(len(people), math.nan))
         instead = (otherwise or {}).get(joint, math.nan)
         known[joint] = np.where(np.isnan(measured), instead, measured)
     given = np.array([people.height, people.mass, *known.values()])
@@ -84,7 +95,61 @@ def assess(
         columns[name + unit] = np.where(everything, found[name], math.nan)
     hips_turn_more = np.abs(found["hip_ankle_ratio"]) > 1.0
     columns["strategy"] = np.where(everything, np.where(hips_turn_more, "hip", "ankle"), "")
-    return Assessment(people, columns | _gains(known, columns))
+    columns |= _gains(known, columns)
+    fixed = dict(nerves)
+    if any(name in fixed or name in people.measured for name in GAINS):
+        columns |= _with_feedback((body_model, float(gravity)), given, people, fixed, everything)
+    return Assessment(people, columns)
+
+
+def _with_feedback(
+    setting: tuple[str, float],
+    given: np.ndarray,
+    people: People,
+    fixed: Mapping[str, ParameterDistribution],
+    everything: np.ndarray,
+) -> dict[str, np.ndarray]:
+    """Return damping, delay and gains of each person, and what becomes of them with these.
+
+    A parameter that neither people nor ``fixed`` have is 0; but a delay is then not known.
+    """
+    names = tuple(name for name in NERVES if name in fixed or name in people.measured)
+    by_joint = map_over_batch(_loads, setting, ("height", "mass"))(given[:2])
+    loads = (by_joint["ankle"], by_joint["knee"], by_joint["hip"])
+    values = {}
+    for name in names:
+        own = people.measured.get(name, np.full(len(people), math.nan))
+        instead: Any = math.nan
+        if name in fixed:
+            instead = fixed[name].numbers[0] * load_of(name, fixed[name].relative_to, loads)
+        values[name] = np.where(np.isnan(own), instead, own)
+    told = np.all([~np.isnan(each) for name, each in values.items() if name != DELAY], axis=0)
+    told &= everything
+    timed = told & ~np.isnan(values.get(DELAY, np.full(len(people), math.nan)))
+    # what is not known is computed with zeros, and not told
+    numbers = np.array([*given, *(np.nan_to_num(each) for each in values.values())])
+    known = np.where(told, numbers, np.where(np.isnan(numbers), 0.0, numbers))
+    mapped = map_over_batch(_entries_of_one, setting, ("height", "mass", *STIFFNESSES, *names))
+    found = judged(mapped(known))
+    return {
+        **{f"{name}_{UNITS[PARAMETERS[name].unit]}": each for name, each in values.items()},
+        "stands_with_feedback": np.where(timed, np.where(found.stands, "yes", "no"), ""),
+        "critical_delay_s": np.where(told, found.critical_delay, math.nan),
+        "delay_margin_s": np.where(timed, found.delay_margin, math.nan),
+    }
+
+
+def _loads(setting: tuple[str, float], given: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    body = body_of({**given, "body_model": REFERENCE_PEOPLE[setting[0]]})
+    return dict(zip(JOINTS, joint_gravity(body, setting[1])[0], strict=True))
+
+
+def _entries_of_one(setting: tuple[str, float], given: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    body_model, gravity = setting
+    reference = REFERENCE_PEOPLE[body_model]
+    body = body_of({"body_model": reference, "height": given["height"], "mass": given["mass"]})
+    stiffness = Stiffness._make(given[name] for name in STIFFNESSES)
+    return entries_of(body, stiffness, gravity, {n: given[n] for n in NERVES if n in given})
 
 
 def _gains(

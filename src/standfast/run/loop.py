@@ -1,13 +1,15 @@
 """The one loop, of sweeps and populations: what no shard covers is computed, here or elsewhere.
 
-Read from the top: :func:`run_job` takes the folder, finds what is missing, has it computed by an
+Read from the top: :func:`run_job` takes the folder, finds what is missing, has it made by an
 executor or estimates and computes it in threads, writes shards, and lets the job assemble the
 finished file.
 """
 
 import time
-from collections.abc import Generator, Iterator
+from collections import deque
+from collections.abc import Generator, Iterable, Iterator
 from contextlib import closing
+from itertools import chain, islice
 from pathlib import Path
 
 from standfast.run.computing import Computing, Job, Piece, Result_co, Unit, new_shard, write_shard
@@ -15,7 +17,7 @@ from standfast.run.folder import RunFolder, tidy, tidy_up_after
 from standfast.run.log import log_text
 from standfast.run.options import RunOptions
 from standfast.run.shards import Work, shard_path
-from standfast.run.workers import compute_elsewhere
+from standfast.run.workers import Sent
 
 
 def run_job(
@@ -40,31 +42,22 @@ def run_job(
             return _already_there(job, output)
         own = range(job.study.shard_count)
         missing = folder.missing(own if part is None else own[part[0] - 1 :: part[1]])
-        elsewhere = 0
-        if missing and options.get("executor") is not None:
-            left = compute_elsewhere(job, folder, missing, options, finishes=part is None)
-            elsewhere = sum(job.size(u) for n in set(missing) - set(left) for u in job.units(n))
-            missing = left
-        with closing(
-            Computing(job, missing, options.get("threads"), options.get("progress"))
-        ) as run:
-            if missing:
-                found = run.estimate(folder, finishes=part is None)
-                found.require_room(output, job.what)
-                if announce := options.get("estimate"):
-                    announce(found)
-            computed = run.pieces()
+        with closing(_made(job, folder, missing, options, finishes=part is None)) as made:
             if part is not None:
-                for number in missing:
-                    write_shard(job, folder, number, computed)
+                for number, computed in made:
+                    if computed is not None:
+                        write_shard(job, folder, number, computed)
                 return None
 
             def log(size: int) -> str:
                 seconds = time.perf_counter() - began
+                done = sum(job.size(unit) for number in missing for unit in job.units(number))
                 more = {**job.log(), "bytes": size, "processors_of_shards": folder.processors()}
-                return log_text(job.study, job.what, run.total + elsewhere, seconds, more)
+                return log_text(job.study, job.what, done, seconds, more)
 
-            with closing(_all_pieces(job, folder, missing, computed)) as pieces:
+            # what does not fit the disk is refused here, before the file is begun
+            first = list(islice(made, 1))
+            with closing(_all_pieces(job, folder, missing, chain(first, made))) as pieces:
                 folder.finish(lambda path: job.assemble(path, pieces), log)
     return job.open(output)
 
@@ -76,19 +69,51 @@ def _already_there(job: Job[Unit, Piece, Result_co], output: Path) -> Result_co:
     return found
 
 
+def _made(
+    job: Job[Unit, Piece, Result_co],
+    folder: RunFolder[Work],
+    missing: list[int],
+    options: RunOptions,
+    *,
+    finishes: bool,
+) -> Generator[tuple[int, Iterator[Piece] | None], None, None]:
+    """Give the missing shards in order: with None what an executor made, else with its pieces.
+
+    Those of an executor are waited for one by one, so that the file grows while others are under
+    way; what a broken one leaves is computed here.
+    """
+    here, coming = missing, deque(missing)
+    if options.get("executor") is not None:
+        with closing(Sent(job, folder, missing, options, finishes=finishes)) as sent:
+            while coming and sent.wait_for(coming[0]):
+                yield coming.popleft(), None
+            here = sorted(sent.left)
+    if not here:
+        return
+    with closing(Computing(job, here, options.get("threads"), options.get("progress"))) as run:
+        found = run.estimate(folder, finishes=finishes)
+        found.require_room(folder.target, job.what)
+        if announce := options.get("estimate"):
+            announce(found)
+        computed, left = run.pieces(), set(here)
+        for number in coming:
+            yield number, computed if number in left else None
+
+
 def _all_pieces(
     job: Job[Unit, Piece, Result_co],
     folder: RunFolder[Work],
     missing: list[int],
-    computed: Iterator[Piece],
+    made: Iterable[tuple[int, Iterator[Piece] | None]],
 ) -> Generator[Piece, None, None]:
-    """Give what all shards hold, in order; what is computed is put into shards.
+    """Give what all shards hold, in order; what is computed here is put into shards.
 
     The last goes into the file alone, which is about to be finished.
     """
-    to_compute = set(missing)
+    were_missing, coming = set(missing), iter(made)
     for number in range(job.study.shard_count):
-        if number not in to_compute:
+        computed = next(coming)[1] if number in were_missing else None
+        if computed is None:
             yield from job.out_of_shard(shard_path(folder.path, number), number)
         elif number == missing[-1]:
             yield from job.into_shard(None, number, computed)

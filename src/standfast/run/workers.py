@@ -34,34 +34,6 @@ class WorkersError(OSError):
     """Workers failed at a shard again and again; the message is what they said last."""
 
 
-def compute_elsewhere(
-    job: Job[Any, Any, Any],
-    folder: RunFolder[Work],
-    missing: list[int],
-    options: RunOptions,
-    *,
-    finishes: bool,
-) -> list[int]:
-    """Have shards computed by an executor; return those that are left because it is broken.
-
-    Raises
-    ------
-    WorkersError
-        if a shard failed as often as it may.
-    InputError
-        if the result does not fit the disk.
-    """
-    sent = _Sent(job, folder, missing, options, finishes=finishes)
-    try:
-        while sent.fill():
-            for future in sent.ended():
-                sent.take(future)
-    finally:
-        for future in sent.waiting:
-            future.cancel()
-    return sorted(sent.left)
-
-
 def write_shards(
     job_of: Callable[[str], Job[Any, Any, Any]],
     study: str,
@@ -92,8 +64,11 @@ def write_shards(
     return list(numbers)
 
 
-class _Sent:
-    """The shards that are with an executor, and those that wait to go there."""
+class Sent:
+    """The shards that are with an executor, and those that wait to go there.
+
+    ``left`` are those that do not lie in the folder yet.
+    """
 
     def __init__(
         self,
@@ -115,7 +90,33 @@ class _Sent:
         self.waiting: dict[Future[list[int] | str], int] = {}
         self.began = time.perf_counter()
 
-    def fill(self) -> bool:
+    def close(self) -> None:
+        """Call back what no worker has begun."""
+        for future in self.waiting:
+            future.cancel()
+
+    def wait_for(self, number: int) -> bool:
+        """Wait until a shard lies in the folder; False if the executor is broken and leaves it.
+
+        Whatever else ended meanwhile is looked at too, so that the workers never wait for work.
+
+        Raises
+        ------
+        WorkersError
+            if a shard failed as often as it may.
+        InputError
+            if the result does not fit the disk.
+        """
+        while self._fill():
+            here = number not in self.left
+            ended = [each for each in self.waiting if each.done()] if here else self._ended()
+            if not ended:
+                break
+            for future in ended:
+                self._take(future)
+        return number not in self.left
+
+    def _fill(self) -> bool:
         """Submit what is in the queue, as much as may be under way; return whether any is."""
         output, text = str(self.folder.target.absolute()), self.job.task_text
         threads = self.options.get("threads") or 1
@@ -131,7 +132,7 @@ class _Sent:
             self.tries[self.queue.popleft()] += 1
         return bool(self.waiting)
 
-    def ended(self) -> list["Future[list[int] | str]"]:
+    def _ended(self) -> list["Future[list[int] | str]"]:
         """Wait for the end of some tasks; after too long for any, give up all."""
         began = time.monotonic()
         while time.monotonic() < began + PATIENCE:
@@ -141,14 +142,14 @@ class _Sent:
             self._tell()
         return list(self.waiting)
 
-    def take(self, future: "Future[list[int] | str]") -> None:
+    def _take(self, future: "Future[list[int] | str]") -> None:
         """Look what became of a task that ended, or seems lost; send it again if it must be."""
         number = self.waiting.pop(future)
         said = _said(future)
         if not self.folder.missing([number]):
             self._count(number)
         elif self.tries[number] < TRIES:
-            self.queue.append(number)
+            self.queue.appendleft(number)  # the file waits for it
         else:
             # a worker's own traceback, if there is one, is for whoever looks into a fault of ours
             raise WorkersError(

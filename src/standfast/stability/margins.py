@@ -9,12 +9,14 @@ from standfast.anthropometry.body import Body
 from standfast.mechanics import matrices
 from standfast.mechanics.joints import Stiffness, checked_person
 from standfast.numerics import eigenvectors
-from standfast.numerics.arrays import ROUNDOFF, Scalar, namespace
+from standfast.numerics.arrays import ROUNDOFF, Matrix, Scalar, Vector, namespace
 from standfast.numerics.cubic import largest_root
 from standfast.numerics.pairs import add, difference_of_products, multiply, negate
 from standfast.numerics.vectors import dot
 from standfast.parameters import STANDARD_GRAVITY
-from standfast.stability.springs import verdict
+from standfast.stability.springs import loads_of_springs, verdict
+
+NOTHING: Vector = (0.0, 0.0, 0.0)
 
 
 def stability_determinant(
@@ -79,8 +81,9 @@ def stiffness_reserve(
     checked_person(body, stiffness, gravity)
     load = matrices.joint_gravity(body, gravity)
     shift = load[0][0] + load[1][1] + load[2][2]
+    across = matrices.coupling_rows(stiffness)
     softest = eigenvectors.spring_eigenvectors(
-        stiffness.joints, load, eigenvectors.IDENTITY, shift
+        stiffness.joints, load, eigenvectors.IDENTITY, shift, across
     )[0]
     lost = matrices.second_variation(body, stiffness, gravity, softest)
     quotient = lost / dot(softest, softest)
@@ -91,11 +94,12 @@ def stiffness_reserve(
 def safety_factor(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY) -> Scalar:
     """Return the factor by which all stiffnesses could be divided and the person just stand.
 
-    The smallest s of diag(K) v = s G v, with G the gravity part of C. So x = 1/s is the largest
-    root of x³ − t x² + m x − d, with t, m, d the trace, the sum of the principal minors and the
-    determinant of K⁻¹ G: sums and products of positive numbers. All entries of K⁻¹ G are positive,
-    so the root is simple; it is found as a multiple of the trace. Above 1 exactly where the verdict
-    is stable; 0 with a free joint; infinite with three rigid joints.
+    The smallest s of K v = s G v, with G the gravity part of C. Of joints that nothing couples
+    x = 1/s is the largest root of x³ − t x² + m x − d, with t, m, d the trace, the sum of the
+    principal minors and the determinant of K⁻¹ G: sums and products of positive numbers. All
+    entries of K⁻¹ G are positive, so the root is simple; it is found as a multiple of the trace.
+    Above 1 exactly where the verdict is stable; 0 with a free joint, or where K of coupled joints
+    is not positive definite; infinite with three rigid joints.
 
     Raises
     ------
@@ -103,6 +107,17 @@ def safety_factor(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_G
         if gravity is out of range.
     """
     xp = checked_person(body, stiffness, gravity)
+    if stiffness.is_coupled:
+        factor = _coupled_factor(body, stiffness, gravity)
+    else:
+        factor = _uncoupled_factor(body, stiffness, gravity)
+    # within rounding of 1 the verdict decides
+    above, below = xp.maximum(factor, 1.0 + 2.0 * ROUNDOFF), xp.minimum(factor, 1.0)
+    return xp.where(verdict(body, stiffness, gravity), above, below)[()]
+
+
+def _uncoupled_factor(body: Body, stiffness: Stiffness, gravity: Scalar) -> Scalar:
+    xp = namespace(*body, *stiffness, gravity)
     shank, thigh, upper = matrices.gravity_loads(body, gravity)
     below = thigh + upper
     # a joint as good as free, below 1e-60 N·m/rad, would overflow the determinant
@@ -114,10 +129,27 @@ def safety_factor(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_G
     share = largest_root(1.0, minors / trace**2, determinant / trace**3, steps=2)
     factor = unless_all_rigid(stiffness, 1.0 / (trace * share))
     free = (stiffness.ankle == 0.0) | (stiffness.knee == 0.0) | (stiffness.hip == 0.0)
-    factor = xp.where(free, 0.0, factor)
-    # within rounding of 1 the verdict decides
-    above, below = xp.maximum(factor, 1.0 + 2.0 * ROUNDOFF), xp.minimum(factor, 1.0)
-    return xp.where(verdict(body, stiffness, gravity), above, below)[()]
+    return xp.where(free, 0.0, factor)
+
+
+def _coupled_factor(body: Body, stiffness: Stiffness, gravity: Scalar) -> Scalar:
+    """Return the smallest s of K v = s G v as the quotient of the energies of springs and gravity.
+
+    It is 0 where K is not positive definite, since then no multiple of it holds.
+    """
+    xp = namespace(*body, *stiffness, gravity)
+    load = matrices.joint_gravity(body, gravity)
+    across = matrices.coupling_rows(stiffness)
+    nothing: Matrix = (NOTHING, NOTHING, NOTHING)
+    ankle, knee, hip = eigenvectors.spring_eigenvectors(
+        stiffness.joints, nothing, load, 1.0, across
+    )[0]
+    angles = (ankle, ankle + knee, ankle + knee + hip)
+    loads = matrices.gravity_loads(body, gravity)
+    drop = sum(load * angle**2 for load, angle in zip(loads, angles, strict=True))
+    stored = matrices.second_variation(body, stiffness, 0.0, (ankle, knee, hip))
+    holds = stiffness.ankle > loads_of_springs(stiffness)[0]
+    return xp.where(holds, unless_all_rigid(stiffness, stored / drop), 0.0)
 
 
 def signed_by(stable: Scalar, value: Scalar) -> Scalar:

@@ -16,7 +16,12 @@ import numpy as np
 
 from standfast.anthropometry.body import Body
 from standfast.mechanics.joints import Stiffness, checked_person
-from standfast.mechanics.matrices import joint_gravity, joint_inertia, second_variation
+from standfast.mechanics.matrices import (
+    coupling_rows,
+    joint_gravity,
+    joint_inertia,
+    second_variation,
+)
 from standfast.mechanics.motion import kinetic_energy
 from standfast.numerics import eigenvectors
 from standfast.numerics.arrays import Array, Scalar, Vector, namespace
@@ -61,7 +66,9 @@ def modes(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY) 
     inverse = eigenvectors.inverse_of_cholesky(inertia)
     # trace(A⁻¹G) bounds the fastest fall of a person without any stiffness
     shift = sum(dot(row, matvec(load, row)) for row in inverse)
-    vectors = eigenvectors.spring_eigenvectors(stiffness.joints, load, inertia, shift)
+    vectors = eigenvectors.spring_eigenvectors(
+        stiffness.joints, load, inertia, shift, coupling_rows(stiffness)
+    )
 
     rigid = sum(xp.where(xp.isinf(k), 1, 0) for k in stiffness.joints)
     values, shapes = [], []

@@ -6,8 +6,10 @@ notation: γ gravity load of a segment, L load carried by a joint, K stiffness, 
 import numpy as np
 
 from standfast.anthropometry.body import Body
-from standfast.mechanics.joints import Stiffness, checked_person
+from standfast.mechanics.joints import NO_COUPLING, Stiffness, checked_person
+from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import ROUNDOFF, Scalar, Vector, namespace
+from standfast.numerics.bounded import BESIDE, Bounded, is_above, is_below, minus, over, plus, times
 from standfast.parameters import STANDARD_GRAVITY
 from standfast.stability.springs import carried_loads
 
@@ -22,9 +24,16 @@ def load_rounding(
     the ratio r = L/K the error ε + u, the rest 1 − r the relative error δ = r (ε + u)/(1 − r) + u,
     and the load transmitted ε + δ + u. The bound is infinite where δ is not small against 1, and
     holds with fused multiplications too, which only round less often. ``scaling`` is a relative
-    error that the gravity loads have beside, where the body was scaled in floating point.
+    error that the gravity loads have beside, where the body was scaled in floating point. Of
+    coupled joints the bounds are those of :mod:`standfast.numerics.bounded`.
     """
     xp = namespace(*body, *stiffness, gravity)
+    if stiffness.is_coupled:
+        found = _coupled_loads(body, stiffness, gravity, scaling)
+        of_ankle, of_knee, of_hip = (SECOND_ORDER * load.error for load in found)
+        hip_fails = ~(stiffness.hip > found[2].value)
+        knee_fails = hip_fails | ~(stiffness.knee > found[1].value)
+        return xp.where(knee_fails, xp.inf, of_ankle), xp.where(hip_fails, xp.inf, of_knee), of_hip
     at_ankle, at_knee, at_hip = carried_loads(body, stiffness, gravity)
     hip_error = 2.0 * ROUNDOFF + scaling
     knee_error = _error_after(at_hip, hip_error, stiffness.hip, own=3.0 * ROUNDOFF + scaling)
@@ -54,14 +63,22 @@ def _error_after(load: Scalar, error: Scalar, stiffness: Scalar, *, own: float) 
 
 @np.errstate(all="ignore")
 def threshold_interval(
-    body: Body, knee: Scalar, hip: Scalar, gravity: Scalar, *, scaling: float = 0.0
+    body: Body,
+    knee: Scalar,
+    hip: Scalar,
+    gravity: Scalar,
+    couplings: Vector = NO_COUPLING,
+    *,
+    scaling: float = 0.0,
 ) -> Vector:
     """Return the ankle's threshold, and the ends between which the exact one lies (N·m/rad).
 
     The ends are both infinite where knee or hip fail beyond doubt, and 0 and infinity where that
     is in doubt. The bounds are those of :func:`load_rounding`.
     """
-    stiffness = Stiffness._make((0.0, knee, hip))
+    stiffness = Stiffness._make((0.0, knee, hip, *couplings))
+    if stiffness.is_coupled:
+        return _coupled_interval(body, stiffness, gravity, scaling)
     xp = namespace(*body, knee, hip, gravity)
     at_ankle, at_knee, at_hip = carried_loads(body, stiffness, gravity)
     bounds = load_rounding(body, stiffness, gravity, scaling=scaling)
@@ -76,6 +93,59 @@ def threshold_interval(
     low = xp.where(holds, at_ankle - ankle_error, 0.0)
     high = xp.where(holds, at_ankle + ankle_error, xp.inf)
     return at_ankle, xp.where(falls, xp.inf, low), xp.where(falls, xp.inf, high)
+
+
+@np.errstate(all="ignore")
+def _coupled_loads(
+    body: Body, stiffness: Stiffness, gravity: Scalar, scaling: float
+) -> tuple[Bounded, Bounded, Bounded]:
+    """Return the loads of :func:`.eliminated` with bounds; a rigid joint is taken out of C.
+
+    G3, G2, G1 are good to 2, 4 and 5 roundings. The ankle's own stiffness does not enter.
+    """
+    _, knee, hip = stiffness.joints
+    xp = namespace(*body, knee, hip, gravity, *stiffness.couplings)
+    own = zip(joint_gravity(body, gravity)[0], (5.0, 4.0, 2.0), strict=True)
+    g1, g2, g3 = (Bounded(g, SECOND_ORDER * (count * ROUNDOFF + scaling) * g) for g, count in own)
+    no_knee, no_hip = xp.isinf(knee), xp.isinf(hip)
+
+    def across(coupling: Scalar, load: Bounded, taken_out: Scalar) -> Bounded:
+        entry = minus(Bounded(coupling, 0.0), load)
+        return Bounded(*(xp.where(taken_out, 0.0, part) for part in entry))
+
+    def rest(spring: Scalar, load: Bounded, taken_out: Scalar) -> Bounded:
+        entry = minus(Bounded(spring, 0.0), load)
+        return Bounded(xp.where(taken_out, 1.0, entry.value), xp.where(taken_out, 0.0, entry.error))
+
+    ankle_knee, knee_hip, ankle_hip = stiffness.couplings
+    c12 = across(ankle_knee, g2, no_knee)
+    c13 = across(ankle_hip, g3, no_hip)
+    c23 = across(knee_hip, g3, no_knee | no_hip)
+    c33 = rest(hip, g3, no_hip)
+    load2 = plus(g2, over(times(c23, c23), c33))
+    rest2 = rest(knee, load2, no_knee)
+    c12 = minus(c12, over(times(c13, c23), c33))
+    load1 = plus(plus(g1, over(times(c13, c13), c33)), over(times(c12, c12), rest2))
+    return load1, load2, g3
+
+
+@np.errstate(all="ignore")
+def _coupled_interval(body: Body, stiffness: Stiffness, gravity: Scalar, scaling: float) -> Vector:
+    """Return :func:`threshold_interval` of coupled joints."""
+    _, knee, hip = stiffness.joints
+    xp = namespace(*body, knee, hip, gravity, *stiffness.couplings)
+    at_ankle, at_knee, at_hip = _coupled_loads(body, stiffness, gravity, scaling)
+    no_knee, no_hip = xp.isinf(knee), xp.isinf(hip)
+    spare_hip = minus(Bounded(xp.where(no_hip, 1.0, hip), 0.0), at_hip)
+    spare_knee = minus(Bounded(xp.where(no_knee, 1.0, knee), 0.0), at_knee)
+    hip_holds = no_hip | is_above(spare_hip)
+    falls = (~no_hip & is_below(spare_hip)) | (hip_holds & ~no_knee & is_below(spare_knee))
+    bound = BESIDE * at_ankle.error
+    holds = hip_holds & (no_knee | is_above(spare_knee)) & xp.isfinite(bound)
+    low = xp.where(holds, at_ankle.value - bound, 0.0)
+    high = xp.where(holds, at_ankle.value + bound, xp.inf)
+    place = xp.where(holds, at_ankle.value, xp.inf)
+    return place, xp.where(falls, xp.inf, low), xp.where(falls, xp.inf, high)
 
 
 def verdict_is_certain(

@@ -19,7 +19,12 @@ from standfast.quantities import QUANTITIES
 # for 66 million safety factors made the sweep 8 % slower.
 CHUNK_BYTES = 2 * 2**20
 SHARD_WORK = 512
-WORK_OF_STEPS, WORK_OF_NUMBERS = 1, 8  # of a chunk
+WORK = {"steps": 1, "numbers": 8, "fed back": 64}  # of a chunk
+
+# With delayed feedback a person takes microseconds, and a rightmost root at one delay a tenth of a
+# millisecond: a chunk is kept to about a second.
+FED_BACK_PERSONS, FED_BACK_NUMBERS = 2**14, 2**14
+DELAY = "feedback_delay"
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,17 +40,19 @@ class Group:
     """Quantities on the same axes and of the same type, which share chunks.
 
     A quantity that is computed by its steps (:class:`standfast.quantities.Step`) is a group alone.
+    ``way`` is how they are computed (:meth:`standfast.quantities.Quantity.way`).
     """
 
     quantities: tuple[str, ...]
     axes: tuple[str, ...]
     shape: tuple[int, ...]
     chunk_shape: tuple[int, ...]
+    way: str
 
     @property
     def by_steps(self) -> bool:
         """Whether its one quantity is computed by comparisons along an axis."""
-        return QUANTITIES[self.quantities[0]].step is not None
+        return self.way == "steps"
 
     @property
     def dtype(self) -> np.dtype[np.generic]:
@@ -65,7 +72,7 @@ class Group:
     @property
     def tile_work(self) -> int:
         """What a tile counts in a shard."""
-        return (WORK_OF_STEPS if self.by_steps else WORK_OF_NUMBERS) * len(self.quantities)
+        return WORK[self.way] * len(self.quantities)
 
     @property
     def points(self) -> int:
@@ -89,18 +96,28 @@ class Grid:
     groups: tuple[Group, ...]
 
     @classmethod
-    def of(cls, axes: Mapping[str, np.ndarray], axes_of: Mapping[str, Sequence[str]]) -> "Grid":
-        """Cut the grid of some axes for quantities, each on its own axes."""
-        members: dict[tuple[tuple[str, ...], str, str], list[str]] = {}
+    def of(
+        cls,
+        axes: Mapping[str, np.ndarray],
+        axes_of: Mapping[str, Sequence[str]],
+        ways: Mapping[str, str],
+    ) -> "Grid":
+        """Cut the grid of some axes for quantities, each on its own axes and in its own way."""
+        members: dict[tuple[tuple[str, ...], str, str, str], list[str]] = {}
         for name, own in axes_of.items():
-            row = QUANTITIES[name]
-            alone = name if row.step is not None else ""
-            members.setdefault((tuple(own), row.dtype, alone), []).append(name)
+            way = ways[name]
+            alone = name if way == "steps" else ""
+            kind = (tuple(own), QUANTITIES[name].dtype, way, alone)
+            members.setdefault(kind, []).append(name)
         groups = []
-        for (own, dtype, _), quantities in members.items():
+        for (own, dtype, way, _), quantities in members.items():
             shape = tuple(len(axes[name]) for name in own)
             most = CHUNK_BYTES // np.dtype(dtype).itemsize
-            groups.append(Group(tuple(quantities), own, shape, chunk_shape(shape, most)))
+            if way == "fed back":
+                sides = _fed_back_chunk(own, shape, most if dtype == "uint8" else FED_BACK_NUMBERS)
+            else:
+                sides = chunk_shape(shape, most)
+            groups.append(Group(tuple(quantities), own, shape, sides, way))
         return cls(tuple(groups))
 
     @cached_property
@@ -141,6 +158,17 @@ class Grid:
         group = self.groups[tile.group]
         inside = (int(part.stop) for part in group.inside(tile))
         return math.prod(inside) * len(group.quantities)
+
+
+def _fed_back_chunk(axes: tuple[str, ...], shape: tuple[int, ...], most: int) -> tuple[int, ...]:
+    """Cut few persons and many delays: all delays of a person come from one table."""
+    if DELAY not in axes:
+        return chunk_shape(shape, min(most, FED_BACK_PERSONS))
+    place = axes.index(DELAY)
+    others = shape[:place] + shape[place + 1 :]
+    (delays,) = chunk_shape(shape[place : place + 1], most)
+    persons = chunk_shape(others, min(max(most // delays, 1), FED_BACK_PERSONS))
+    return (*persons[:place], delays, *persons[place:])
 
 
 def chunk_shape(shape: tuple[int, ...], limit: int) -> tuple[int, ...]:

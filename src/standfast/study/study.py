@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from standfast.errors import InputError
-from standfast.parameters import PARAMETERS
+from standfast.parameters import GAINS, PARAMETERS, STIFFNESSES
 from standfast.quantities import QUANTITIES
 from standfast.study import values
 from standfast.study.canonical import Value, canonical_text, describe, fingerprint_of, from_json
@@ -130,12 +130,34 @@ class Study:
 
     def axes_of(self, quantity: str) -> tuple[str, ...]:
         """Return the axes that a quantity depends on, in the study's order."""
-        return tuple(name for name in self.axes if QUANTITIES[quantity].depends_on(name))
+        row = QUANTITIES[quantity]
+        return tuple(
+            name for name in self.axes if row.depends_on(name, study_has_gains=self.has_gains)
+        )
+
+    @cached_property
+    def has_gains(self) -> bool:
+        """Whether anything is fed back: a gain that varies, or is not 0."""
+        return any(name in self.axes or self.fixed.get(name, 0.0) != 0.0 for name in GAINS)
+
+    @cached_property
+    def has_one_joint(self) -> bool:
+        """Whether two joints are rigid throughout, and the third is never."""
+        rigid = [self.fixed.get(name) == math.inf for name in STIFFNESSES]
+        bends = [not np.isinf(self.axes.get(name, np.zeros(1))).any() for name in STIFFNESSES]
+        return sum(rigid) == 2 and all(r or b for r, b in zip(rigid, bends, strict=True))
 
     @cached_property
     def grid(self) -> Grid:
         """How the grid of each quantity is cut into chunks, tiles and shards."""
-        return Grid.of(self.axes, {name: self.axes_of(name) for name in self.quantities})
+        return Grid.of(
+            self.axes,
+            {name: self.axes_of(name) for name in self.quantities},
+            {
+                name: QUANTITIES[name].way(self.has_gains, one_joint=self.has_one_joint)
+                for name in self.quantities
+            },
+        )
 
     @property
     def shard_count(self) -> int:

@@ -1,4 +1,4 @@
-"""Limits of standing, plane by plane: of a study in closed form, and out of a stored atlas.
+"""Limits of standing by springs, plane by plane: in closed form, and out of a stored atlas.
 
 An atlas shows its limits by its verdicts (to half a step of the grid) or, finer, by a quantity that
 changes sign there. The distance from the closed form is reported, so a stored atlas carries the
@@ -44,13 +44,28 @@ class Contour:
     mean: float = np.nan
     resolution: float = np.nan
 
+    @property
+    def values(self) -> Mapping[str, Any]:
+        """Values of the other axes by name."""
+        return self.plane.values
+
+    @property
+    def index(self) -> Mapping[str, int]:
+        """Places on the other axes by name."""
+        return self.plane.index
+
+    @property
+    def curve(self) -> tuple[np.ndarray, np.ndarray]:
+        """The limit in closed form, as horizontal and vertical coordinates."""
+        return self.ankle, self.hip
+
 
 def exact_contours(study: Study, only: Mapping[str, set[int]] | None = None) -> Iterator[Contour]:
     """Go through the limits of standing of a study in closed form, plane by plane.
 
     ``only`` keeps the planes whose index along an axis is in a set.
     """
-    planes.require_plane(study)
+    planes.require_closed_form(study)
     for plane in planes.planes_of(study, only):
         yield Contour(plane, *plane.limit_of_standing(study.axes[ANKLE], study.axes[HIP]))
 
@@ -61,14 +76,16 @@ def extracted_contours(atlas: Atlas) -> Iterator[Contour]:
     From a quantity that changes sign at the limit if the atlas holds one, else from the verdicts.
     One plane is in memory at a time.
     """
-    planes.require_plane(atlas.study)
+    planes.require_closed_form(atlas.study)
     source, level = source_of(atlas)
     ankles, hips = (atlas.study.axes[name] for name in PLANE_AXES)
     variable = atlas[source]
     swapped = variable.dims.index(HIP) < variable.dims.index(ANKLE)
     for index, values in variable.planes(along=PLANE_AXES):
         plane = planes.plane_at(atlas.study, index)
-        lines = _lines(ankles, hips, values.T if swapped else values, source, level)
+        # λ is smooth at the limit, its root, the frequency, is not
+        squared = source == "frequency"
+        lines = level_lines(ankles, hips, values.T if swapped else values, level, squared=squared)
         limit = plane.limit_of_standing(ankles, hips)
         yield Contour(plane, *limit, lines, *_distances(plane, ankles, hips, lines))
 
@@ -86,24 +103,28 @@ def source_of(atlas: Atlas) -> tuple[str, float]:
     )
 
 
-def _lines(
-    ankles: np.ndarray, hips: np.ndarray, values: np.ndarray, source: str, level: float
+def level_lines(
+    x: np.ndarray, y: np.ndarray, values: np.ndarray, level: float, *, squared: bool = False
 ) -> list[np.ndarray]:
-    """Return the level lines of values (ankle, hip) as arrays of ankle and hip."""
-    ankles, hips = planes.finite(ankles), planes.finite(hips)
-    if min(ankles.size, hips.size) < 2:
+    """Return the level lines of values (x, y) as arrays (n, 2); closed ones end where they begin.
+
+    ``squared``: of the values' squares with their signs. Infinite values of an axis, its last, are
+    left out.
+    """
+    x, y = planes.finite(x), planes.finite(y)
+    if min(x.size, y.size) < 2:
         return []
     pieces: list[np.ndarray] = []
-    rows = max(BAND_POINTS // hips.size, 1)
-    for first in range(0, ankles.size - 1, rows):
-        band = slice(first, min(first + rows + 1, ankles.size))  # bands share the row between them
-        inside = values[band, : hips.size].astype(float)
-        if source == "frequency":  # λ is smooth at the limit, its root is not
+    rows = max(BAND_POINTS // y.size, 1)
+    for first in range(0, x.size - 1, rows):
+        band = slice(first, min(first + rows + 1, x.size))  # bands share the row between them
+        inside = values[band, : y.size].astype(float)
+        if squared:
             inside *= np.abs(inside)
         # an infinite margin is as stable as any large one
         largest = np.finfo(float).max
         np.nan_to_num(inside, copy=False, posinf=largest, neginf=-largest)
-        generator = contourpy.contour_generator(hips, ankles[band], inside)
+        generator = contourpy.contour_generator(y, x[band], inside)
         found: Any = generator.lines(level)
         pieces += found
     return [line[:, ::-1] for line in _joined(pieces)]

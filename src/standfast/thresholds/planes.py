@@ -1,4 +1,7 @@
-"""Planes of ankle × hip stiffness, and the limit of standing on them: one falling curve each."""
+"""Planes of two axes of a study; on those of ankle × hip stiffness the limit of springs alone.
+
+With springs alone the limit of standing over ankle and hip is one falling curve, in closed form.
+"""
 
 import itertools
 from collections.abc import Iterable, Iterator, Mapping
@@ -9,11 +12,17 @@ import numpy as np
 
 from standfast.anthropometry.body import REFERENCE_PEOPLE, Body, body_of
 from standfast.errors import InputError
+from standfast.mechanics.joints import NO_COUPLING
+from standfast.parameters import COUPLINGS, PARAMETERS
 from standfast.stability.springs import critical_ankle_stiffness, critical_hip_stiffness
 from standfast.study.study import Study
 
 ANKLE, KNEE, HIP = "ankle_stiffness", "knee_stiffness", "hip_stiffness"
 PLANE_AXES = (ANKLE, HIP)
+DELAY = "feedback_delay"
+
+# A plane is drawn of axes with at least so many finite values; fewer are curves side by side.
+LEAST_SIDE = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,17 +32,22 @@ class Plane:
     body: Body
     gravity: float
     knee: float
+    couplings: tuple[float, float, float] = NO_COUPLING
     values: Mapping[str, Any] = field(default_factory=dict)
     index: Mapping[str, int] = field(default_factory=dict)
 
     def critical_hips(self, ankles: np.ndarray) -> np.ndarray:
         """Return the hip stiffness at which the person just stands, for each ankle stiffness."""
-        hips: np.ndarray = critical_hip_stiffness(self.body, ankles, self.knee, self.gravity)
+        hips: np.ndarray = critical_hip_stiffness(
+            self.body, ankles, self.knee, self.gravity, self.couplings
+        )
         return hips
 
     def critical_ankles(self, hips: np.ndarray) -> np.ndarray:
         """Return the ankle stiffness at which the person just stands, for each hip stiffness."""
-        ankles: np.ndarray = critical_ankle_stiffness(self.body, self.knee, hips, self.gravity)
+        ankles: np.ndarray = critical_ankle_stiffness(
+            self.body, self.knee, hips, self.gravity, self.couplings
+        )
         return ankles
 
     def limit_of_standing(
@@ -57,7 +71,7 @@ def planes_of(study: Study, only: Mapping[str, set[int]] | None = None) -> Itera
 
     ``only`` keeps those whose index along an axis is in a set.
     """
-    others = [name for name in study.axes if name not in PLANE_AXES]
+    others = [name for name in study.axes_of("stable") if name not in PLANE_AXES]
     kept: dict[str, Iterable[int]] = {name: range(len(study.axes[name])) for name in others}
     kept.update(only or {})
     for index in itertools.product(*(sorted(kept[name]) for name in others)):
@@ -70,16 +84,49 @@ def plane_at(study: Study, index: Mapping[str, int]) -> Plane:
     given = {**study.fixed, **values}
     numbers = {name: float(value) for name, value in given.items() if name != "body_model"}
     body = body_of({**numbers, "body_model": REFERENCE_PEOPLE[str(given["body_model"])]})
-    return Plane(body, numbers["gravity"], numbers.get(KNEE, np.nan), values, index)
+    ankle_knee, knee_hip, ankle_hip = (numbers.get(name, 0.0) for name in COUPLINGS)
+    knee, couplings = numbers.get(KNEE, np.nan), (ankle_knee, knee_hip, ankle_hip)
+    return Plane(body, numbers["gravity"], knee, couplings, values, index)
 
 
-def has_plane(study: Study) -> bool:
-    """Return whether ankle and hip are axes of a study, each with two finite values or more."""
-    return all(name in study.axes and finite(study.axes[name]).size > 1 for name in PLANE_AXES)
+def axes_of_plane(study: Study, dims: Iterable[str]) -> tuple[str, str] | None:
+    """Choose the two axes of a plane among ``dims``, the horizontal one first; None if none fit.
+
+    Ankle and hip where the limit has a closed form; else the two longest axes, the delay only
+    where no third is long enough. The delay runs horizontally, other axes in the order of the table
+    of parameters.
+    """
+    own = list(dims)
+    if set(PLANE_AXES) <= set(own) and has_closed_form(study):
+        return PLANE_AXES
+    sizes = {name: finite(study.axes[name]).size for name in own if not PARAMETERS[name].choices}
+    long = [name for name, size in sizes.items() if size >= LEAST_SIDE]
+    chosen = sorted(long, key=lambda name: (name == DELAY, -sizes[name]))[:2]
+    order = list(PARAMETERS)
+    chosen.sort(key=lambda name: (name != DELAY, order.index(name)))
+    return (chosen[0], chosen[1]) if len(chosen) == 2 else None
 
 
-def require_plane(study: Study) -> None:
-    """Refuse a study without a plane of ankle × hip."""
+def axis_of_curves(dims: Iterable[str], plane: tuple[str, str]) -> str | None:
+    """Choose the axis whose values are curves on one plane: the delay, else the knee."""
+    left = [name for name in dims if name not in plane]
+    return next((name for name in (DELAY, KNEE) if name in left), None)
+
+
+def has_closed_form(study: Study) -> bool:
+    """Return whether springs alone decide, over ankle and hip with two finite values or more."""
+    return not study.has_gains and all(
+        name in study.axes and finite(study.axes[name]).size > 1 for name in PLANE_AXES
+    )
+
+
+def require_closed_form(study: Study) -> None:
+    """Refuse a study without a plane of ankle × hip, or with feedback."""
+    if study.has_gains:
+        raise InputError(
+            "with feedback the limit of standing has no closed form; sweep the study, "
+            "and ask for the thresholds of the file"
+        )
     curves = "thresholds are curves over ankle and hip stiffness"
     for name in PLANE_AXES:
         if name not in study.axes:

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from standfast.population.cohort.persons import CohortModel
-from standfast.population.people.distributions import measured_stiffnesses
 from standfast.population.people.records import SEXES, People
 from standfast.population.people.sampling import Sampler
 from standfast.population.people.sobol import aligned
@@ -38,17 +37,15 @@ class Cohort:
         drawn = tuple(c.name for c in self.sampler.coordinates)
         if self.people is None:
             return drawn
-        measured = measured_stiffnesses(self.model.distributions)
-        return (*drawn[1:], "height", "mass", "stratum", *measured)
+        return (*drawn[1:], "height", "mass", "stratum", *self.model.measured)
 
     def numbers(self, variates: np.ndarray) -> np.ndarray:
         """Return the named numbers (names, n) of persons from their variates (coordinates, n)."""
         if self.people is None:
             return variates
         row = self.rows_of(variates)
-        measured = measured_stiffnesses(self.model.distributions)
         columns = [self.people.height, self.people.mass, self.stratum]
-        columns += [self.people.stiffness[name] for name in measured]
+        columns += [self.people.measured[name] for name in self.model.measured]
         numbers = aligned(len(self.names), variates.shape[1])
         numbers[: len(variates) - 1] = variates[1:]
         for place, column in zip(numbers[len(variates) - 1 :], columns, strict=True):
@@ -81,6 +78,7 @@ def cohort_of(study: PopulationStudy, people: People | None) -> Cohort:
         tuple(sex for sex, _ in strata),
         study.content["population"]["proportions"] == "scattered",
         study.distributions,
+        study.nerves if study.is_fed_back else (),
     )
     sampler = Sampler(model.coordinates, study.correlation, study.method, study.seed)
     by_weight = WeightedRows.of(people.weight) if people is not None else None

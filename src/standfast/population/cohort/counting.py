@@ -9,8 +9,17 @@ import numpy as np
 from standfast.engine.mapping import map_over_batch
 from standfast.parameters import JOINTS
 from standfast.population.cohort.cohort import Cohort
-from standfast.population.cohort.histograms import bin_of, bins_of, class_of, class_shape, counted
-from standfast.population.cohort.persons import KEPT, growth, outcome
+from standfast.population.cohort.histograms import (
+    VALUE_BINS,
+    bin_of,
+    bins_of,
+    class_of,
+    class_shape,
+    counted,
+    signed_bin_of,
+)
+from standfast.population.cohort.nerves import FedBackPersons, fed_back
+from standfast.population.cohort.persons import growth, outcome
 from standfast.population.people.study import PopulationStudy
 
 # Of so many persons the distributions are kept: more of them would add no digit that any model of
@@ -33,13 +42,15 @@ class Counts(NamedTuple):
     kept: bytes
 
 
-def histogram_shapes(cohort: Cohort) -> tuple[int, int]:
-    """Return the sizes of histograms: strata, and rows of a file of people."""
-    return len(cohort.strata), cohort.rows
+def histogram_shapes(cohort: Cohort) -> tuple[int, int, bool]:
+    """Return what histograms are of: strata, rows of a file of people, whether fed back."""
+    return len(cohort.strata), cohort.rows, bool(cohort.model.nerves)
 
 
 def is_detailed(study: PopulationStudy, block: Block) -> bool:
     """Return whether distributions are kept of a block's persons."""
+    if study.is_fed_back:  # the critical delay is found with every verdict
+        return True
     return block.number * study.block_size * study.replicates < DETAILED
 
 
@@ -48,6 +59,8 @@ def count_block(study: PopulationStudy, cohort: Cohort, block: Block) -> Counts:
     variates = cohort.sampler.variates(block.replicate, block.number, study.block_size)
     numbers = cohort.numbers(variates)
     size = study.block_persons(block.number)
+    if cohort.model.nerves:
+        return _count_fed_back(study, cohort, variates, numbers, size)
     detailed = is_detailed(study, block)
     judge = bins_of if detailed else class_of
     found = map_over_batch(judge, cohort.model, cohort.names)(numbers)
@@ -59,10 +72,49 @@ def count_block(study: PopulationStudy, cohort: Cohort, block: Block) -> Counts:
     if detailed:
         counts |= _details(found)
         counts["growth_rate"] = _growth_rates(cohort, numbers, fallen)
-    if cohort.rows:
-        rows = np.bincount(2 * cohort.rows_of(variates)[:size] + fallen, minlength=2 * cohort.rows)
-        counts["rows"] = rows.reshape(cohort.rows, 2)
+    counts |= _rows(cohort, variates, fallen)
     return Counts(counts, _persons(cohort, numbers, size) if study.keeps_persons else b"")
+
+
+def _rows(cohort: Cohort, variates: np.ndarray, fallen: np.ndarray) -> dict[str, np.ndarray]:
+    """Count how often each person of a file stood and fell; nothing for a built-in population."""
+    if not cohort.rows:
+        return {}
+    rows = cohort.rows_of(variates)[: fallen.size]
+    counts = np.bincount(2 * rows + fallen, minlength=2 * cohort.rows)
+    return {"rows": counts.reshape(cohort.rows, 2)}
+
+
+def _count_fed_back(
+    study: PopulationStudy, cohort: Cohort, variates: np.ndarray, numbers: np.ndarray, size: int
+) -> Counts:
+    """Count the persons of a block who have feedback, by their verdict at their own delay."""
+    of_springs = map_over_batch(class_of, cohort.model, cohort.names)(numbers)["class"][:size]
+    found = fed_back(cohort, numbers, size)
+    fallen = (~found.stands).astype(of_springs.dtype)
+    shape = class_shape(len(cohort.strata))
+    # a class is even, and 1 more for who falls
+    classes = np.bincount(of_springs - (of_springs & 1) + fallen, minlength=math.prod(shape))
+    stratum = of_springs // math.prod(shape[1:])
+    bins = (VALUE_BINS + 2) * stratum + bin_of(found.critical_delay)
+    delays = np.bincount(bins, minlength=(VALUE_BINS + 2) * len(cohort.strata))
+    margins = signed_bin_of(found.delay_margin)
+    counts = {
+        "classes": classes.reshape(shape),
+        "load_sums": _load_sums(found.numbers),
+        "critical_delay": delays.reshape(len(cohort.strata), -1),
+        "delay_margin": np.bincount(margins, minlength=2 * VALUE_BINS + 3),
+        "by_springs": np.bincount(of_springs & 1, minlength=2),
+        "left_open": np.array([found.uncertain.sum()]),
+        **_rows(cohort, variates, fallen),
+    }
+    return Counts(counts, _kept(cohort, found) if study.keeps_persons else b"")
+
+
+def _load_sums(found: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Return the sums of the joints' loads and of their squares."""
+    loads = np.array([found[f"load_{joint}"] for joint in JOINTS])
+    return np.array([loads.sum(axis=1), np.square(loads).sum(axis=1)])
 
 
 def _details(found: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -71,11 +123,10 @@ def _details(found: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         [counted(found[f"critical_{joint}"]), counted(found[f"multiple_{joint}"])]
         for joint in JOINTS
     ]
-    loads = np.array([found[f"load_{joint}"] for joint in JOINTS])
     return {
         "safety_factor": counted(found["safety_factor"]),
         "required": np.array(required),
-        "load_sums": np.array([loads.sum(axis=1), np.square(loads).sum(axis=1)]),
+        "load_sums": _load_sums(found),
     }
 
 
@@ -92,4 +143,10 @@ def _growth_rates(cohort: Cohort, numbers: np.ndarray, fallen: np.ndarray) -> np
 def _persons(cohort: Cohort, numbers: np.ndarray, size: int) -> bytes:
     """Return what is kept of every person, as columns of float64."""
     found = map_over_batch(outcome, cohort.model, cohort.names)(numbers)
-    return np.array([found[name][:size] for name in KEPT], np.float64).tobytes()
+    return np.array([found[name][:size] for name in cohort.model.kept], np.float64).tobytes()
+
+
+def _kept(cohort: Cohort, found: FedBackPersons) -> bytes:
+    """Return what is kept of every person with feedback, as columns of float64."""
+    columns = {**found.numbers, "critical_delay": found.critical_delay, "stable": found.stands}
+    return np.array([columns[name] for name in cohort.model.kept], np.float64).tobytes()

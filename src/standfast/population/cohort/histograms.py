@@ -40,6 +40,19 @@ def bin_edges() -> np.ndarray:
     return bits.view(np.float64)
 
 
+def signed_bin_of(value: np.ndarray) -> np.ndarray:
+    """Return the bin of a value of either sign: those of its size, mirrored, and one between."""
+    middle = VALUE_BINS + 1
+    bins: np.ndarray = np.where(value < 0.0, middle - bin_of(-value), middle + bin_of(value))
+    return bins
+
+
+def signed_bin_edges() -> np.ndarray:
+    """Return the edges of the bins of either sign, (2 VALUE_BINS + 2,)."""
+    edges = bin_edges()
+    return np.concatenate([-edges[::-1], edges])
+
+
 def bins_of(model: CohortModel, given: dict[str, Scalar]) -> dict[str, Scalar]:
     """Return the bins in which one person is counted, and the loads, which are added up.
 
@@ -86,6 +99,10 @@ class Histograms:
     of those who fall; ``required`` by joint, as threshold in N·m/rad and as multiple of its
     distribution; ``load_sums`` of the joints' loads and of their squares; ``rows`` how often each
     person of a file was sampled and stood, and was sampled and fell.
+
+    With feedback ``critical_delay`` by stratum, ``delay_margin``, ``by_springs``, who would stand
+    and fall by springs alone, and ``left_open``, persons of whom rounding leaves anything open,
+    stand in the place of what springs alone decide; whatever is not asked is empty.
     """
 
     classes: np.ndarray  # (strata, heights + 2, BMIs + 2, 2)
@@ -94,17 +111,29 @@ class Histograms:
     required: np.ndarray  # (3, 2, VALUE_BINS + 2)
     load_sums: np.ndarray  # (2, 3), N·m/rad
     rows: np.ndarray  # (rows, 2)
+    critical_delay: np.ndarray  # (strata, VALUE_BINS + 2)
+    delay_margin: np.ndarray  # (2 VALUE_BINS + 3,)
+    by_springs: np.ndarray  # (2,)
+    left_open: np.ndarray  # (1,)
 
     @classmethod
-    def empty(cls, strata: int, rows: int) -> "Histograms":
+    def empty(cls, strata: int, rows: int, fed_back: bool) -> "Histograms":
         """Return histograms of no one."""
+
+        def counts(*shape: int, asked: bool = True) -> np.ndarray:
+            return np.zeros(shape if asked else (0,), np.int64)
+
         return cls(
-            np.zeros(class_shape(strata), np.int64),
-            np.zeros(VALUE_BINS + 2, np.int64),
-            np.zeros(VALUE_BINS + 2, np.int64),
-            np.zeros((3, 2, VALUE_BINS + 2), np.int64),
+            counts(*class_shape(strata)),
+            counts(VALUE_BINS + 2, asked=not fed_back),
+            counts(VALUE_BINS + 2, asked=not fed_back),
+            counts(3, 2, VALUE_BINS + 2, asked=not fed_back),
             np.zeros((2, 3)),
-            np.zeros((rows, 2), np.int64),
+            counts(rows, 2),
+            counts(strata, VALUE_BINS + 2, asked=fed_back),
+            counts(2 * VALUE_BINS + 3, asked=fed_back),
+            counts(2, asked=fed_back),
+            counts(1, asked=fed_back),
         )
 
     def add(self, parts: Mapping[str, np.ndarray]) -> None:
@@ -122,9 +151,9 @@ class Histograms:
         return b"".join(array.tobytes() for array in vars(self).values())
 
     @classmethod
-    def from_bytes(cls, raw: bytes, strata: int, rows: int) -> "Histograms":
+    def from_bytes(cls, raw: bytes, strata: int, rows: int, fed_back: bool) -> "Histograms":
         """Read histograms of known sizes back."""
-        histograms = cls.empty(strata, rows)
+        histograms = cls.empty(strata, rows, fed_back)
         start = 0
         for array in vars(histograms).values():
             array[...] = np.frombuffer(raw, array.dtype, array.size, start).reshape(array.shape)

@@ -12,10 +12,15 @@ from typing import Any
 from standfast.anthropometry.body import REFERENCE_PEOPLE, Body, body_of
 from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import joint_gravity
-from standfast.numerics.arrays import Scalar, namespace
+from standfast.numerics.arrays import Scalar, Vector, namespace
 from standfast.parameters import JOINTS, STIFFNESSES
 from standfast.population.people.builtin import PROPORTIONS, Subpopulation
-from standfast.population.people.distributions import Coordinate, StiffnessDistribution
+from standfast.population.people.distributions import (
+    Coordinate,
+    Distributions,
+    ParameterDistribution,
+    measured_of,
+)
 from standfast.stability.margins import safety_factor
 from standfast.stability.modes import growth_rate, modes
 from standfast.stability.springs import critical_stiffness, verdict
@@ -23,9 +28,6 @@ from standfast.stability.springs import critical_stiffness, verdict
 # The sole and the ankle: what of stature lies below the ankle, in the body models' source
 # (Winter, ankle height 0.039 of stature).
 BELOW_ANKLE = 0.039
-
-# What is kept of every person when asked, beside whether they stand.
-KEPT = ("height", "mass", *STIFFNESSES, "safety_factor", "stable")
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +39,8 @@ class CohortModel:
     subpopulations: tuple[Subpopulation, ...]  # none for people of a file
     strata_sexes: tuple[str, ...]
     scattered: bool
-    distributions: tuple[StiffnessDistribution, StiffnessDistribution, StiffnessDistribution]
+    distributions: tuple[ParameterDistribution, ParameterDistribution, ParameterDistribution]
+    nerves: Distributions = ()  # of damping, delay and gains; none where nothing is fed back
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
@@ -52,7 +55,37 @@ class CohortModel:
         for joint, distribution in zip(JOINTS, self.distributions, strict=True):
             if distribution.is_random:
                 person.append(distribution.coordinate(joint))
+        person += [each.coordinate(name) for name, each in self.nerves if each.is_random]
         return tuple(person)
+
+    @property
+    def free_joints(self) -> int:
+        """How many joints are not rigid in everybody."""
+        rigid = [
+            each.kind == "fixed" and each.numbers == (math.inf,) for each in self.distributions
+        ]
+        return len(rigid) - sum(rigid)
+
+    @property
+    def measured(self) -> list[str]:
+        """Which parameters are those of the person in the file."""
+        springs = tuple(zip(STIFFNESSES, self.distributions, strict=True))
+        return measured_of(springs + self.nerves)
+
+    @property
+    def kept(self) -> tuple[str, ...]:
+        """What is kept of every person when asked."""
+        return kept_of(self.nerves, bool(self.nerves))
+
+
+def kept_of(nerves: Distributions, fed_back: bool) -> tuple[str, ...]:
+    """Return what is kept of every person when asked."""
+    springs = ("height", "mass", *STIFFNESSES)
+    if not fed_back:
+        return (*springs, "safety_factor", "stable")
+    # a delay that is not given is 0
+    given = dict.fromkeys([*(name for name, _ in nerves), "feedback_delay"])
+    return (*springs, *given, "critical_delay", "stable")
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,13 +97,14 @@ class Person:
     stratum: Scalar
     body: Body
     stiffness: Stiffness
+    nerves: Mapping[str, Scalar]  # damping, delay and gains by parameter
 
 
 def person_of(model: CohortModel, given: Mapping[str, Scalar]) -> Person:
     """Make one person.
 
     ``given`` holds the variates by the names of :attr:`CohortModel.coordinates`; for people of a
-    file also ``height``, ``mass``, ``stratum`` and measured stiffnesses.
+    file also ``height``, ``mass``, ``stratum`` and what is measured.
     """
     if model.subpopulations:
         height, mass, stratum = _sampled(model.subpopulations, given)
@@ -81,13 +115,23 @@ def person_of(model: CohortModel, given: Mapping[str, Scalar]) -> Person:
     if model.scattered:
         body = _scattered(body, height, _scatter(model, stratum), given)
     loads, _, _ = joint_gravity(body, model.gravity)
-    stiffness = []
-    for joint, distribution, own in zip(JOINTS, model.distributions, loads, strict=True):
-        load_by_word = {"absolute": 1.0, "single_joint_critical": own, "mgh": loads[0]}
-        load = load_by_word[distribution.relative_to]
-        measured = given.get(f"{joint}_stiffness")
-        stiffness.append(distribution.stiffness(given.get(joint), measured, load))
-    return Person(height, mass, stratum, body, Stiffness._make(stiffness))
+    stiffness = [
+        each.value(given.get(joint), given.get(name), load_of(name, each.relative_to, loads))
+        for joint, name, each in zip(JOINTS, STIFFNESSES, model.distributions, strict=True)
+    ]
+    nerves = {
+        name: each.value(given.get(name), given.get(name), load_of(name, each.relative_to, loads))
+        for name, each in model.nerves
+    }
+    return Person(height, mass, stratum, body, Stiffness._make(stiffness), nerves)
+
+
+def load_of(name: str, relative_to: str, loads: Vector) -> Scalar:
+    """Return the load that a parameter is relative to, of the loads of ankle, knee and hip."""
+    if relative_to == "absolute":
+        return 1.0
+    joint, _, _ = name.partition("_")  # which makes the moment
+    return loads[0] if relative_to == "mgh" else loads[JOINTS.index(joint)]
 
 
 def _sampled(

@@ -1,4 +1,4 @@
-"""Populations and stiffness laws from measurements: facts with their sources, no code."""
+"""Populations, laws of stiffness and delays from measurements: facts with sources, no code."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -90,4 +90,54 @@ READY_DISTRIBUTIONS: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
     },
     "knee": {"reimann-schoner-2017": {"distribution": "fixed", "value": 201.1}},
     "hip": {"reimann-schoner-2017": {"distribution": "fixed", "value": 246.2}},
+}
+
+
+@dataclass(frozen=True, slots=True)
+class ReadyDelay:
+    """A delay of feedback (s), as a study would say it, and where it is from.
+
+    ``assumed``: the distribution is not one that was measured between persons; ``rests_on`` says
+    what it is made of.
+    """
+
+    distribution: Mapping[str, Any]
+    source: str
+    assumed: bool
+    rests_on: str = ""
+
+
+# Delays of whole loops, from sensing to moment, of healthy standing adults. Published are means of
+# groups; neither a spread between persons nor a value of old people was seen.
+READY_DELAYS: Mapping[str, ReadyDelay] = {
+    "pasma-2017": ReadyDelay(
+        {"distribution": "fixed", "value": 0.097},
+        "Pasma et al. 2017, PMC5664365, table 1",
+        assumed=False,
+    ),
+    "jner-2017": ReadyDelay(
+        {"distribution": "fixed", "value": 0.104},
+        "J NeuroEng Rehabil 2017, s12984-017-0299-x, table 3",
+        assumed=False,
+    ),
+    "young": ReadyDelay(
+        {"distribution": "normal", "mean": 0.126, "sd": 0.032},
+        "pasma-2017, jner-2017, and the models of PosturalControlLab/LA_toolbox",
+        assumed=True,
+        rests_on=(
+            "mean and spread of five values for healthy adults, two identified (0.097, 0.104 s) "
+            "and three that a toolbox begins with (0.106, 0.160, and 0.162 over five amplitudes of "
+            "tilt); that persons differ as these do is assumed, and the adults' ages were not seen"
+        ),
+    ),
+    "old": ReadyDelay(
+        {"distribution": "normal", "mean": 0.158, "sd": 0.032},
+        "Front Aging Neurosci 7 (2015) 97; J Neurophysiol 115 (2016) 1422-1435; J NeuroEng Rehabil "
+        "2019, s12984-019-0574-0: abstracts, for the direction alone",
+        assumed=True,
+        rests_on=(
+            "delays of old people are longer, in all three; by how much was not seen: one standard "
+            "deviation of the young is assumed, and their spread"
+        ),
+    ),
 }

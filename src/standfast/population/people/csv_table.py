@@ -14,7 +14,16 @@ from typing import TypeAlias
 
 from standfast.errors import InputError
 from standfast.files import opened_plainly
-from standfast.parameters import STIFFNESSES, number_in
+from standfast.parameters import DAMPINGS, GAINS, PARAMETERS, STIFFNESSES, number_in
+
+# What may have been measured of a person.
+MEASURABLE = (*STIFFNESSES, *DAMPINGS, "feedback_delay", *GAINS)
+# How a column's name says a unit of SI.
+UNITS = {
+    "N·m/rad": "{0}_nm_rad {0}_n_m_rad",
+    "N·m·s/rad": "{0}_nms_rad {0}_n_m_s_rad",
+    "s": "{0}_s",
+}
 
 # What a column can hold, with how many of its units are one of SI, and by which names it is known:
 # lower case, every bracket, blank and point made "_". ANSUR II gives stature in mm and "weightkg"
@@ -30,7 +39,8 @@ NAMES: Mapping[tuple[str, float], str] = {
     ("id", 1.0): "id name subject subjectid subject_id participant seqn",
     ("weight", 1.0): "weight sample_weight wtmec2yr",
     ("pregnant", 1.0): "ridexprg",
-    **{(name, 1.0): f"{name} {name}_nm_rad {name}_n_m_rad" for name in STIFFNESSES},
+    ("feedback_delay", 1000.0): "feedback_delay_ms",
+    **{(name, 1.0): f"{name} {UNITS[PARAMETERS[name].unit].format(name)}" for name in MEASURABLE},
 }
 COLUMNS = {name: holds for holds, names in NAMES.items() for name in names.split()}
 

@@ -1,22 +1,27 @@
-"""Distributions of stiffness: how stiff one joint is in one person, given a random variate.
+"""Distributions: what a parameter is in one person, given a random variate.
 
-A distribution turns a *standard variate* into a stiffness: a standard normal or uniform number,
-whichever it asks for, so that sampling and correlation are the business of :mod:`.sampling` alone.
-A study calls a ready one, from a measurement, a law.
+A distribution turns a *standard variate* into a stiffness, a gain, a delay: a standard normal or
+uniform number, whichever it asks for, so that sampling and correlation are the business of
+:mod:`.sampling` alone. A study calls a ready one, from a measurement, a law.
 
 notation: K stiffness, G the load it is relative to, z a standard normal and u a uniform variate.
 """
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
-
-import numpy as np
 
 from standfast.errors import InputError, nearest_name
 from standfast.numerics.arrays import Scalar, namespace
-from standfast.parameters import JOINTS, PARAMETERS, STIFFNESSES, Parameter, checked_number
+from standfast.parameters import (
+    JOINTS,
+    LOOPS,
+    PARAMETERS,
+    Parameter,
+    checked_number,
+    gain_name,
+)
 from standfast.population.people.builtin import READY_DISTRIBUTIONS
 from standfast.study.values import known_keys
 
@@ -30,6 +35,15 @@ DISTRIBUTIONS: Mapping[str, tuple[str, ...]] = {
     "measured": (),
 }
 MULTIPLE = Parameter("multiple", "", "1", "stiffness per load", 0.0, 1e6, or_rigid=True)
+# Of gains and damping, as multiples of a load; what is given in N·m/rad lies beyond.
+LARGEST_MULTIPLE = 50.0
+# Gains from one joint to another may be of either sign.
+CROSS_GAINS = frozenset(
+    gain_name(kind, *loop)
+    for kind in ("proportional", "derivative")
+    for loop in LOOPS
+    if loop[0] != loop[1]
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,19 +56,22 @@ class Coordinate:
 
 
 @dataclass(frozen=True, slots=True)
-class StiffnessDistribution:
-    """How stiff a joint is: K = x G, or K = x, with x of a distribution.
+class ParameterDistribution:
+    """What a parameter is in a person: x G, or x itself, with x of a distribution.
 
     normal: x = mean + sd z, cut off at 0 (mean and sd are those before the cut); lognormal: x =
     exp(μ + σ z) with σ² = ln(1 + sd²/mean²), μ = ln mean − σ²/2, so that mean and sd are those of
     x itself; uniform: x = low + (high − low) u. G is 1 (absolute), the joint's own threshold with
     the other two rigid (single_joint_critical), or the toppling load of the whole body about the
-    ankle (mgh), which for the ankle is the same.
+    ankle (mgh), which for the ankle is the same. The joint is the one that makes the moment.
+
+    ``signed``: it may be negative, and a normal one is not cut off.
     """
 
     kind: str
     relative_to: str
     numbers: tuple[float, ...]
+    signed: bool = False
 
     @property
     def is_random(self) -> bool:
@@ -64,15 +81,20 @@ class StiffnessDistribution:
         first, second = self.numbers
         return first != second if self.kind == "uniform" else second > 0.0
 
-    def coordinate(self, joint: str) -> Coordinate:
-        """Return the variate that it takes."""
-        if self.kind == "normal":
-            mean, sd = self.numbers
-            return Coordinate(joint, "normal", lowest=-mean / sd)
-        return Coordinate(joint, "uniform" if self.kind == "uniform" else "normal")
+    @property
+    def is_nothing(self) -> bool:
+        """Whether it is 0 in everybody."""
+        return self.kind != "measured" and not any(self.numbers)
 
-    def stiffness(self, variate: Scalar, measured: Scalar, load: Scalar) -> Scalar:
-        """Return K of one person: from the variate, or measured, times the load G."""
+    def coordinate(self, name: str) -> Coordinate:
+        """Return the variate that it takes."""
+        if self.kind == "normal" and not self.signed:
+            mean, sd = self.numbers
+            return Coordinate(name, "normal", lowest=-mean / sd)
+        return Coordinate(name, "uniform" if self.kind == "uniform" else "normal")
+
+    def value(self, variate: Scalar, measured: Scalar, load: Scalar) -> Scalar:
+        """Return it for one person: from the variate, or measured, times the load G."""
         if self.kind == "measured":
             return measured
         xp = namespace(variate, load)
@@ -83,8 +105,10 @@ class StiffnessDistribution:
             value = low + (high - low) * variate
         elif self.kind == "normal":
             mean, sd = self.numbers
-            # at the cut itself rounding may fall below 0
-            value = xp.maximum(mean + sd * variate, 0.0)
+            value = mean + sd * variate
+            if not self.signed:
+                # at the cut itself rounding may fall below 0
+                value = xp.maximum(value, 0.0)
         else:
             mean, sd = self.numbers
             variance = math.log1p((sd / mean) ** 2)
@@ -98,10 +122,13 @@ class StiffnessDistribution:
         return {"distribution": self.kind, "relative_to": self.relative_to, **numbers}
 
 
-def measured_stiffnesses(distributions: Iterable[StiffnessDistribution]) -> list[str]:
-    """Return which stiffnesses are measured, given the distributions of ankle, knee and hip."""
-    pairs = zip(STIFFNESSES, distributions, strict=True)
-    return [name for name, distribution in pairs if distribution.kind == "measured"]
+# Distributions by the names of their parameters.
+Distributions = tuple[tuple[str, ParameterDistribution], ...]
+
+
+def measured_of(distributions: Distributions) -> list[str]:
+    """Return which parameters are measured in each person of a file."""
+    return [name for name, distribution in distributions if distribution.kind == "measured"]
 
 
 def checked_word(where: str, given: Any, known: Iterable[str], called: str = "known") -> str:
@@ -114,25 +141,17 @@ def checked_word(where: str, given: Any, known: Iterable[str], called: str = "kn
     return given
 
 
-def checked_distribution(joint: str, given: Any) -> StiffnessDistribution:
-    """Check the table of one joint."""
-    where = f"stiffness.{joint}"
+def checked_distribution(name: str, given: Any) -> ParameterDistribution:
+    """Check the table of one parameter."""
+    row = PARAMETERS[name]
+    where = row.place
     if not isinstance(given, Mapping):
         raise InputError(
             f'{where} = {given!r} is not a law; write [{where}] with distribution = "fixed" and '
             "value = …, for example"
         )
     if "law" in given:
-        known_keys(f"[{where}] with a ready law", given, ("law",))
-        ready = READY_DISTRIBUTIONS[joint]
-        if not isinstance(given["law"], str) or given["law"] not in ready:
-            others = [other for other in JOINTS if given["law"] in list(READY_DISTRIBUTIONS[other])]
-            why = f"is a law of the {others[0]}" if others else "is not known"
-            raise InputError(
-                f"{where}.law = {given['law']!r} {why}{nearest_name(given['law'], ready)} "
-                f"(laws of the {joint}: {', '.join(ready)})"
-            )
-        return checked_distribution(joint, ready[given["law"]])
+        return checked_distribution(name, _ready(row, given))
     distribution = checked_word(
         f"{where}.distribution", given.get("distribution"), DISTRIBUTIONS, "distributions"
     )
@@ -141,14 +160,67 @@ def checked_distribution(joint: str, given: Any) -> StiffnessDistribution:
     keys = ("distribution", *choice, *names)
     known_keys(f"[{where}] with distribution {distribution}", given, keys)
     relative_to = given.get("relative_to", "absolute")
-    checked_word(f"{where}.relative_to", relative_to, RELATIVE_TO)
-    row = PARAMETERS[f"{joint}_stiffness"] if relative_to == "absolute" else MULTIPLE
-    for name in names:
-        if name not in given:
-            raise InputError(f"{where}.{name} is missing; {distribution} takes {', '.join(names)}")
-    numbers = tuple(checked_number(f"{where}.{n}", given[n], row=row) + 0.0 for n in names)
+    words = RELATIVE_TO[:1] if name == "feedback_delay" else RELATIVE_TO
+    checked_word(f"{where}.relative_to", relative_to, words)
+    for key in names:
+        if key not in given:
+            raise InputError(f"{where}.{key} is missing; {distribution} takes {', '.join(names)}")
+    numbers = tuple(_number(row, relative_to, key, given[key]) + 0.0 for key in names)
     _check_numbers(where, distribution, numbers)
-    return StiffnessDistribution(distribution, relative_to, numbers)
+    return ParameterDistribution(distribution, relative_to, numbers, signed=name in CROSS_GAINS)
+
+
+def _ready(row: Parameter, given: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return what a ready law stands for."""
+    where, word = row.place, given["law"]
+    known_keys(f"[{where}] with a ready law", given, ("law",))
+    ready = READY_DISTRIBUTIONS.get(where.removeprefix("stiffness."), {})
+    if isinstance(word, str) and word in ready:
+        return ready[word]
+    if not ready:
+        raise InputError(f"{where}.law = {word!r} is not known; there are no ready laws of it")
+    others = [joint for joint in JOINTS if word in list(READY_DISTRIBUTIONS[joint])]
+    why = f"is a law of the {others[0]}" if others else "is not known"
+    raise InputError(
+        f"{where}.law = {word!r} {why}{nearest_name(word, ready)} "
+        f"(laws of the {row.key}: {', '.join(ready)})"
+    )
+
+
+def _number(row: Parameter, relative_to: str, key: str, given: Any) -> float:
+    """Check one number of a distribution: in the parameter's unit, or as a multiple of a load."""
+    where = f"{row.place}.{key}"
+    of_springs = row.section == "stiffness"
+    lowest = row.lowest if row.name in CROSS_GAINS and key != "sd" else 0.0
+    if relative_to == "absolute":
+        return _not_negative(where, given, row if of_springs else replace(row, lowest=lowest))
+    if of_springs:
+        return checked_number(where, given, row=MULTIPLE)
+    unit = "1" if row.unit == PARAMETERS["ankle_stiffness"].unit else "s"
+    lowest = max(lowest, -LARGEST_MULTIPLE)
+    multiple = replace(row, unit=unit, lowest=lowest, highest=LARGEST_MULTIPLE)
+    number = _not_negative(where, given, replace(multiple, highest=math.inf))
+    if number > LARGEST_MULTIPLE:
+        raise InputError(
+            f"{where} = {number:g} is outside the allowed range, {multiple.allowed}: a multiple of "
+            f'{relative_to}; if it is in {row.unit}, write relative_to = "absolute"'
+        )
+    return checked_number(where, number, row=multiple)
+
+
+def _not_negative(where: str, given: Any, row: Parameter) -> float:
+    """Check a number, and say of a negative gain of a joint's own rotation what its sign means."""
+    try:
+        return checked_number(where, given, row=row)
+    except InputError as error:
+        if row.section.startswith("feedback.") and row.lowest == 0.0 and _is_negative(given):
+            why = "a gain acts against the rotation, so a negative one topples"
+            raise InputError(f"{error}; {why}") from None
+        raise
+
+
+def _is_negative(given: Any) -> bool:
+    return isinstance(given, int | float) and given < 0.0
 
 
 def _check_numbers(where: str, distribution: str, numbers: tuple[float, ...]) -> None:
@@ -160,8 +232,8 @@ def _check_numbers(where: str, distribution: str, numbers: tuple[float, ...]) ->
             f'{where}: only distribution = "fixed" may be inf (rigid), not {distribution}'
         )
     first, second = numbers
-    if distribution == "lognormal" and first == 0.0:
-        raise InputError(f"{where}.mean = 0 has no lognormal; give a mean above 0")
+    if distribution == "lognormal" and first <= 0.0:
+        raise InputError(f"{where}.mean = {first:g} has no lognormal; give a mean above 0")
     if distribution == "lognormal" and second > 1e3 * first:
         raise InputError(
             f"{where}.sd = {second:g} is more than a thousand times the mean, {first:g}"
@@ -170,70 +242,3 @@ def _check_numbers(where: str, distribution: str, numbers: tuple[float, ...]) ->
         raise InputError(
             f"{where} goes from low = {first:g} to high = {second:g}; high must not be below low"
         )
-
-
-Correlation = tuple[tuple[float, ...], ...]
-UNCORRELATED: Correlation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-# What rounding may take from the smallest eigenvalue of a correlation matrix that is just possible.
-SINGULAR = -1e-10
-
-
-def checked_correlation(
-    given: Any, distributions: Mapping[str, StiffnessDistribution]
-) -> Correlation:
-    """Check the correlation of the joints' normal variates: rows of ankle, knee and hip."""
-    where = "stiffness.correlation"
-    if not _has_three(given) or not all(_has_three(row) for row in given):
-        raise InputError(
-            f"{where} = {given!r} is not a 3 × 3 matrix; give rows for ankle, knee and hip, "
-            "for example [[1, 0.5, 0], [0.5, 1, 0], [0, 0, 1]]"
-        )
-    entry = Parameter("correlation", "", "1", "correlation", -1.0, 1.0)
-    matrix = tuple(
-        tuple(
-            checked_number(f"{where}[{i}][{j}]", value, row=entry) + 0.0
-            for j, value in enumerate(row)
-        )
-        for i, row in enumerate(given)
-    )
-    for i, joint in enumerate(JOINTS):
-        if matrix[i][i] != 1.0:
-            raise InputError(f"{where}: {joint} with itself is {matrix[i][i]:g}; it must be 1")
-        for j in range(i):
-            other = JOINTS[j]
-            if matrix[i][j] != matrix[j][i]:
-                raise InputError(
-                    f"{where}: {other} with {joint} is {matrix[j][i]:g}, but {joint} with "
-                    f"{other} {matrix[i][j]:g}; the matrix must be symmetric"
-                )
-            still = [name for name in (joint, other) if not distributions[name].is_random]
-            if matrix[i][j] != 0.0 and still:
-                raise InputError(
-                    f"{where}: {other} with {joint} is {matrix[i][j]:g}, but the stiffness of the "
-                    f"{still[0]} is not random; put 0 there"
-                )
-    smallest = float(np.linalg.eigvalsh(np.array(matrix))[0])
-    if smallest < SINGULAR:
-        raise InputError(
-            f"{where} is impossible: no three numbers are correlated like that (its smallest "
-            f"eigenvalue is {smallest:.3g}, it must not be negative); take smaller correlations"
-        )
-    return matrix
-
-
-def _has_three(given: Any) -> bool:
-    return isinstance(given, list | tuple) and len(given) == 3
-
-
-def checked_stiffness(given: Any) -> tuple[dict[str, StiffnessDistribution], Correlation]:
-    """Check the distributions of the three joints' stiffness and their correlation."""
-    known_keys("[stiffness]", given, (*JOINTS, "correlation"))
-    for joint in JOINTS:
-        if joint not in given:
-            raise InputError(
-                f"[stiffness.{joint}] is missing; for a rigid {joint} write "
-                'distribution = "fixed" and value = inf'
-            )
-    distributions = {joint: checked_distribution(joint, given[joint]) for joint in JOINTS}
-    correlation = given.get("correlation", UNCORRELATED)
-    return distributions, checked_correlation(correlation, distributions)

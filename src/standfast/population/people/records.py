@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from standfast.errors import InputError
-from standfast.parameters import PARAMETERS, STIFFNESSES, Parameter, checked_number, number_in
-from standfast.population.people.csv_table import Table, hint, read_table
+from standfast.parameters import PARAMETERS, Parameter, checked_number, number_in
+from standfast.population.people.csv_table import MEASURABLE, Table, hint, read_table
 
 SEXES = ("male", "female", "unknown")
 ADULT = 18
@@ -44,7 +44,7 @@ class People:
     sex: tuple[str, ...]
     age: np.ndarray
     weight: np.ndarray
-    stiffness: Mapping[str, np.ndarray]
+    measured: Mapping[str, np.ndarray]  # stiffness, damping, delay, gains, by parameter
     rejected: tuple[Rejection, ...]
     not_selected: int
     remarks: tuple[str, ...]
@@ -67,7 +67,7 @@ class People:
             sex=tuple(self.sex[row] for row in rows),
             age=self.age[rows],
             weight=self.weight[rows],
-            stiffness={joint: values[rows] for joint, values in self.stiffness.items()},
+            measured={name: values[rows] for name, values in self.measured.items()},
         )
 
 
@@ -83,7 +83,7 @@ def read_people(
     Files with height and mass hold persons, one after the other; further files add columns to them,
     joined by id. Refused if a file or a column is missing, no row can be used, or ids do not join.
     Separators may be commas, semicolons (with decimal commas) or tabs. ``strict`` stops at the
-    first row that cannot be used; ``needed`` are measured stiffnesses without which none is used;
+    first row that cannot be used; ``needed`` are measured parameters without which none is used;
     ``selected`` tells from sex and age whether a person belongs to the population.
     """
     tables = [read_table(path) for path in paths]
@@ -151,7 +151,7 @@ def _people(
         tuple(str(person["sex"]) for person in persons),
         column("age"),
         weight,
-        {name: column(name) for name in STIFFNESSES if name in columns},
+        {name: column(name) for name in MEASURABLE if name in columns},
         rejected,
         not_selected,
         tuple(remarks),
@@ -188,14 +188,15 @@ def _by_id(tables: Sequence[Table], holders: Sequence[Table]) -> list[dict[str, 
 def _check_columns(
     first: Table, holders: Sequence[Table], columns: Container[str], needed: Sequence[str]
 ) -> None:
-    """Refuse files without height and mass, or without a measured stiffness that is needed."""
+    """Refuse files without height and mass, or without a measured parameter that is needed."""
     if not holders:
         lacking = next(field for field in ("height", "mass") if field not in first.columns)
         raise InputError(f"{first.name} has no column of {lacking}{hint(first, lacking)}")
-    for joint in needed:
-        if joint not in columns:
+    for name in needed:
+        if name not in columns:
+            whose = "that joint" if PARAMETERS[name].section == "stiffness" else "it"
             raise InputError(
-                f"{first.name} has no column {joint}, which the law of that joint measures"
+                f"{first.name} has no column {name}, which the law of {whose} measures"
             )
 
 
@@ -228,11 +229,12 @@ def _checked_person(
     if "weight" in columns and weight is None:
         raise InputError("no weight: the id is in no file of weights")
     person["weight"] = 1.0 if weight is None else _number(weight, "weight", WEIGHT)
-    for joint in STIFFNESSES:
-        entry = row.get(joint, "")
-        if joint in needed and entry.lower() in NOTHING:
-            raise InputError(f"no {joint}")
-        person[joint] = _optional(entry, joint, PARAMETERS[joint])
+    for name in MEASURABLE:
+        if name in columns:
+            entry = row.get(name, "")
+            if name in needed and entry.lower() in NOTHING:
+                raise InputError(f"no {name}")
+            person[name] = _optional(entry, name, PARAMETERS[name])
     return person
 
 

@@ -9,15 +9,20 @@ from pathlib import Path
 from typing import Any
 
 from standfast.errors import InputError
-from standfast.parameters import JOINTS, STANDARD_GRAVITY, checked_number
+from standfast.parameters import (
+    GAINS,
+    JOINTS,
+    STANDARD_GRAVITY,
+    STIFFNESSES,
+    checked_number,
+)
 from standfast.population.people.builtin import Subpopulation
 from standfast.population.people.csv_table import digest
 from standfast.population.people.distributions import (
-    Correlation,
-    StiffnessDistribution,
+    Distributions,
+    ParameterDistribution,
     checked_distribution,
-    checked_stiffness,
-    measured_stiffnesses,
+    measured_of,
 )
 from standfast.population.people.keys import (
     LARGEST_SIZE,
@@ -27,8 +32,17 @@ from standfast.population.people.keys import (
     whole_number,
 )
 from standfast.population.people.records import People, read_people
+from standfast.population.people.sections import (
+    SECTIONS,
+    Correlation,
+    canonical_nerves,
+    checked_nerves,
+    checked_stiffness,
+    refuse_measured,
+    without_choice,
+)
 from standfast.population.people.sobol import LARGEST_BLOCK, REPLICATES
-from standfast.study.canonical import canonical_text, fingerprint_of, from_json, json_value
+from standfast.study.canonical import canonical_text, fingerprint_of, flat, from_json, json_value
 from standfast.study.toml import read_toml
 from standfast.study.values import checked_title, known_keys
 
@@ -69,7 +83,8 @@ class PopulationStudy:
         """Check a study given as nested mappings, laid out as in the TOML file, or refuse it."""
         if isinstance(content, Mapping) and "body" in content and "population" not in content:
             raise InputError("this is the study of a sweep; run: standfast sweep")
-        known_keys("study", content, ("title", "gravity", "population", "stiffness", "output"))
+        tables = ("title", "gravity", "population", "stiffness", *SECTIONS, "output")
+        known_keys("study", content, tables)
         title = checked_title(content)
         gravity = content.get("gravity", STANDARD_GRAVITY)
         if isinstance(gravity, list | tuple | Mapping):
@@ -79,13 +94,10 @@ class PopulationStudy:
         if "stiffness" not in content:
             raise InputError("[stiffness.ankle], [stiffness.knee] and [stiffness.hip] are missing")
         distributions, correlation = checked_stiffness(content["stiffness"])
+        nerves = checked_nerves(content)
+        springs = tuple(zip(STIFFNESSES, distributions.values(), strict=True))
         if "builtin" in content["population"]:
-            for joint, distribution in distributions.items():
-                if distribution.kind == "measured":
-                    raise InputError(
-                        f"stiffness.{joint}: measured needs people with a column "
-                        f"{joint}_stiffness, and a built-in population has none"
-                    )
+            refuse_measured(springs + nerves)
         known_keys("[output]", content.get("output", {}), ("persons",))
         kept = content.get("output", {}).get("persons", False)
         if not isinstance(kept, bool):
@@ -103,6 +115,7 @@ class PopulationStudy:
                 "gravity": checked_number("gravity", gravity),
                 "population": population,
                 "stiffness": {**stiffness, "correlation": [list(row) for row in correlation]},
+                **canonical_nerves(nerves),
                 "output": {"persons": kept},
             },
             files,
@@ -124,7 +137,7 @@ class PopulationStudy:
         whole_number("size", self.content["population"]["size"], 1, LARGEST_SIZE)
         for name in ("title", "gravity", "seed", "method", "keeps_persons", "fingerprint"):
             getattr(self, name)
-        for name in ("distributions", "correlation", "subpopulations", "shards"):
+        for name in ("distributions", "nerves", "correlation", "subpopulations", "shards"):
             getattr(self, name)
         if self.content["stiffness"].keys() != {*JOINTS, "correlation"}:
             raise InputError("the study has other joints")
@@ -141,7 +154,7 @@ class PopulationStudy:
 
     def difference(self, other: "PopulationStudy") -> str:
         """Return in words what differs from another study, key by key."""
-        here, there = _flat(json_value(self.content)), _flat(json_value(other.content))
+        here, there = flat(json_value(self.content)), flat(json_value(other.content))
         return "; ".join(
             "the file of people has changed"
             if key == "population.people_sha256"
@@ -178,14 +191,31 @@ class PopulationStudy:
     @cached_property
     def distributions(
         self,
-    ) -> tuple[StiffnessDistribution, StiffnessDistribution, StiffnessDistribution]:
+    ) -> tuple[ParameterDistribution, ParameterDistribution, ParameterDistribution]:
         """The distributions of the stiffness of ankle, knee and hip."""
-        section = from_json(self.content["stiffness"])
-        for joint in JOINTS:
-            if section[joint]["distribution"] == "measured":
-                del section[joint]["relative_to"]  # which a study does not give either
-        ankle, knee, hip = (checked_distribution(joint, section[joint]) for joint in JOINTS)
+        section = without_choice(from_json(self.content["stiffness"]))
+        ankle, knee, hip = (
+            checked_distribution(name, section[joint])
+            for joint, name in zip(JOINTS, STIFFNESSES, strict=True)
+        )
         return ankle, knee, hip
+
+    @cached_property
+    def nerves(self) -> Distributions:
+        """The distributions of damping, delay and gains that the study gives."""
+        return checked_nerves(without_choice(from_json(self.content)))
+
+    @cached_property
+    def is_fed_back(self) -> bool:
+        """Whether anybody has a gain; damping and delay alone change no verdict of springs."""
+        gains = (each for name, each in self.nerves if name in GAINS)
+        return not all(each.is_nothing for each in gains)
+
+    @property
+    def measured(self) -> list[str]:
+        """Which parameters are measured in each person of a file."""
+        springs = tuple(zip(STIFFNESSES, self.distributions, strict=True))
+        return measured_of(springs + self.nerves)
 
     @property
     def correlation(self) -> Correlation:
@@ -218,8 +248,7 @@ class PopulationStudy:
         def selected(of: str, years: float) -> bool:
             return (sex is None or of == sex) and (age is None or lowest <= years < highest)
 
-        needed = measured_stiffnesses(self.distributions)
-        return read_people(self.files, strict=strict, needed=needed, selected=selected)
+        return read_people(self.files, strict=strict, needed=self.measured, selected=selected)
 
     @property
     def replicates(self) -> int:
@@ -267,13 +296,3 @@ class PopulationStudy:
     def block_persons(self, block: int) -> int:
         """Return how many persons of a block belong to the population."""
         return min(self.block_size, self.per_replicate - block * self.block_size)
-
-
-def _flat(content: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
-    for key, value in content.items():
-        if isinstance(value, Mapping):
-            flat |= _flat(value, f"{prefix}{key}.")
-        else:
-            flat[f"{prefix}{key}"] = value
-    return flat

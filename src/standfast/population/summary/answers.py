@@ -8,7 +8,8 @@ import math
 from typing import Any
 
 from standfast.parameters import JOINTS
-from standfast.population.summary.arrays import STANDING_SHARES
+from standfast.population.people.study import PopulationStudy
+from standfast.population.summary.arrays import STANDING_SHARES as SHARES
 
 MOST_KEYS = 100
 LARGEST_INTEGER = 2**63
@@ -22,14 +23,13 @@ STRATUM = {str: {"share": float, "unstable_fraction": float, "interval": INTERVA
 MULTIPLE = {"multiple": MAYBE, "multiple_interval": (None, [MAYBE, MAYBE])}
 REQUIRED = {"stiffness": MAYBE, "stiffness_interval": [MAYBE, MAYBE], **MULTIPLE}
 INDEX = {"first": abs, "first_interval": [abs, abs], "total": abs, "total_interval": [abs, abs]}
+LAW = {"distribution": str, "relative_to": str, str: (float, str)}
 DRIVERS = ({"remark": str}, {str: INDEX})
-ANSWERS = {
+# Of every population, but for "laws" and "drivers".
+COMMON = {
     "title": str,
     "gravity": float,
-    "laws": {
-        **{joint: {"distribution": str, "relative_to": str, str: (float, str)} for joint in JOINTS},
-        "correlation": [[float]],
-    },
+    "laws": {**dict.fromkeys(JOINTS, LAW), "correlation": [[float]]},
     "unstable_fraction": float,
     "unstable_fraction_interval": INTERVAL,
     "confidence": float,
@@ -51,17 +51,37 @@ ANSWERS = {
         },
     ),
     "strata": dict.fromkeys(("sex", "age", "bmi", "height"), STRATUM),
-    "safety_factor": QUANTILES,
-    "growth_rate_of_the_unstable": QUANTILES,
     "single_joint_critical_stiffness": {
         joint: {"mean": float, "mean_interval": INTERVAL, "sd": float} for joint in JOINTS
     },
+}
+ANSWERS = {
+    **COMMON,
+    "safety_factor": QUANTILES,
+    "growth_rate_of_the_unstable": QUANTILES,
     "required_stiffness": {
-        **{joint: {f"{share:g}": REQUIRED for share in STANDING_SHARES} for joint in JOINTS},
-        "all": {f"{share:g}": MULTIPLE for share in STANDING_SHARES},
+        **{joint: {f"{share:g}": REQUIRED for share in SHARES} for joint in JOINTS},
+        "all": {f"{share:g}": MULTIPLE for share in SHARES},
     },
     "drivers": {"unstable": DRIVERS, "safety_factor": DRIVERS},
 }
+DELAYS = {f"{share:g}": {"delay": MAYBE, "delay_interval": [MAYBE, MAYBE]} for share in SHARES}
+FED_BACK_ANSWERS = {
+    **COMMON,
+    "nerves": {str: LAW},
+    "unstable_by_springs_alone": float,
+    "unstable_by_springs_alone_interval": INTERVAL,
+    "left_open_by_rounding": int,
+    "critical_delay": QUANTILES,
+    "delay_margin": QUANTILES,
+    "delay_borne": {"all": DELAYS, "sex": {str: DELAYS}, "age": {str: DELAYS}},
+    "drivers": {"unstable": DRIVERS, "delay_margin": DRIVERS},
+}
+
+
+def answers_of(study: PopulationStudy) -> dict[str, Any]:
+    """Return the pattern of the answers to a study."""
+    return FED_BACK_ANSWERS if study.is_fed_back else ANSWERS
 
 
 def fits(value: Any, pattern: Any) -> bool:

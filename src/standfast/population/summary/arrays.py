@@ -1,18 +1,25 @@
 """The arrays in the file of a population: names, axes, shapes and types."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from standfast.parameters import JOINTS
+from standfast.population.cohort.cohort import AGE_CLASSES
 from standfast.population.cohort.histograms import BMI_EDGES, HEIGHT_EDGES
-from standfast.population.cohort.persons import KEPT
+from standfast.population.cohort.persons import kept_of
+from standfast.population.people.builtin import ANSUR, NHANES
+from standfast.population.people.records import SEXES
 from standfast.population.people.study import PopulationStudy
 from standfast.quantities import QUANTITIES
 
-# Shares of the population that are to stand, for which the stiffness is asked.
+# Shares of the population that are to stand, for which the stiffness is asked, or the delay.
 STANDING_SHARES = (0.5, 0.9, 0.95, 0.99)
+# Age classes in the order in which they are told.
+BUILT_IN_AGES = dict.fromkeys(group.age for group in (*NHANES, *ANSUR))
+AGES = tuple(dict.fromkeys((*(name for _, name in AGE_CLASSES), *BUILT_IN_AGES, "unknown")))
 
 
 def _middles(edges: np.ndarray) -> np.ndarray:
@@ -20,33 +27,75 @@ def _middles(edges: np.ndarray) -> np.ndarray:
     return middles
 
 
-AXES: Mapping[str, np.ndarray] = {
-    "height": _middles(HEIGHT_EDGES),
-    "bmi": _middles(BMI_EDGES),
-    "safety_factor": np.round(np.geomspace(0.1, 10.0, 401), 6),
-    "multiple": np.round(np.geomspace(0.1, 10.0, 401), 6),
-    "standing_share": np.array(STANDING_SHARES),
-    "growth_rate": np.round(np.geomspace(0.05, 20.0, 401), 6),
-}
+@dataclass(frozen=True)
+class Layout:
+    """The arrays of one kind of population: values of the axes, and the axes of all arrays.
+
+    ``shares`` are those arrays whose values lie between 0 and 1, NaN where there is nobody.
+    """
+
+    axes: Mapping[str, np.ndarray]
+    shares: Mapping[str, tuple[str, ...]]
+    others: Mapping[str, tuple[str, ...]]
+
+    @property
+    def arrays(self) -> dict[str, tuple[str, ...]]:
+        """The axes of each array; an axis is its own."""
+        return {**{name: (name,) for name in self.axes}, **self.shares, **self.others}
+
+
 # Written only where somebody falls.
 GROWTH = "growth_rate_below"
-SHARES: Mapping[str, tuple[str, ...]] = {
-    "risk": ("height", "bmi"),
-    "survival": ("safety_factor",),
-    **{f"risk_by_{joint}_multiple": ("multiple",) for joint in (*JOINTS, "all")},
-    GROWTH: ("growth_rate",),
-}
-ARRAYS: Mapping[str, tuple[str, ...]] = {
-    **{name: (name,) for name in AXES},
-    "persons": ("height", "bmi"),
-    **SHARES,
-    **{
-        f"required_{joint}_{kind}{end}": ("standing_share",)
-        for joint in JOINTS
-        for kind in ("stiffness", "multiple")
-        for end in ("", "_lower", "_upper")
+BODY_AXES = {"height": _middles(HEIGHT_EDGES), "bmi": _middles(BMI_EDGES)}
+# By springs alone: what all stiffnesses would have to be.
+OF_SPRINGS = Layout(
+    {
+        **BODY_AXES,
+        "safety_factor": np.round(np.geomspace(0.1, 10.0, 401), 6),
+        "multiple": np.round(np.geomspace(0.1, 10.0, 401), 6),
+        "standing_share": np.array(STANDING_SHARES),
+        "growth_rate": np.round(np.geomspace(0.05, 20.0, 401), 6),
     },
-}
+    {
+        "risk": ("height", "bmi"),
+        "survival": ("safety_factor",),
+        **{f"risk_by_{joint}_multiple": ("multiple",) for joint in (*JOINTS, "all")},
+        GROWTH: ("growth_rate",),
+    },
+    {
+        "persons": ("height", "bmi"),
+        **{
+            f"required_{joint}_{kind}{end}": ("standing_share",)
+            for joint in JOINTS
+            for kind in ("stiffness", "multiple")
+            for end in ("", "_lower", "_upper")
+        },
+    },
+)
+# With feedback: which delay they bear. Sexes and ages are numbered as in SEXES and AGES.
+WITH_DELAY = Layout(
+    {
+        **BODY_AXES,
+        "standing_share": np.array(STANDING_SHARES),
+        "delay": np.round(np.linspace(0.0, 1.0, 501), 3),
+        "sex": np.arange(len(SEXES), dtype=np.float64),
+        "age": np.arange(len(AGES), dtype=np.float64),
+    },
+    {
+        "risk": ("height", "bmi"),
+        "standing": ("delay",),
+        "standing_by_sex_and_age": ("sex", "age", "delay"),
+    },
+    {
+        "persons": ("height", "bmi"),
+        **{f"delay_borne{end}": ("standing_share",) for end in ("", "_lower", "_upper")},
+    },
+)
+
+
+def layout_of(study: PopulationStudy) -> Layout:
+    """Return which arrays a population's file holds."""
+    return WITH_DELAY if study.is_fed_back else OF_SPRINGS
 
 
 def kept_type(name: str) -> np.dtype[Any]:
@@ -57,9 +106,10 @@ def kept_type(name: str) -> np.dtype[Any]:
 def arrays_of(study: PopulationStudy) -> dict[str, tuple[tuple[int, ...], np.dtype[Any] | None]]:
     """Return shape and type of all that a population's file holds, None of the text."""
     found: dict[str, tuple[tuple[int, ...], np.dtype[Any] | None]] = {"summary": ((), None)}
-    for name, axes in ARRAYS.items():
-        shape = tuple(AXES[axis].size for axis in axes)
+    layout = layout_of(study)
+    for name, axes in layout.arrays.items():
+        shape = tuple(layout.axes[axis].size for axis in axes)
         found[name] = shape, np.dtype(np.int64 if name == "persons" else np.float64)
-    for name in KEPT if study.keeps_persons else ():
+    for name in kept_of(study.nerves, study.is_fed_back) if study.keeps_persons else ():
         found[f"person_{name}"] = (study.size,), kept_type(name)
     return found

@@ -97,10 +97,11 @@ def effective_size(events: np.ndarray, persons: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class Distribution:
-    """Counts of a positive number in bins, by replicate, read as a distribution function."""
+    """Counts of a number in bins, by replicate, read as a distribution function."""
 
     edges: np.ndarray  # (bins + 1,), rising
     counts: np.ndarray  # (replicates, bins + 2); the first lie below all bins, the last above
+    lowest: float = 0.0  # that a value can be
 
     @property
     def size(self) -> int:
@@ -112,11 +113,11 @@ class Distribution:
         return np.asarray(np.interp(values, self.edges, self._shares))
 
     def quantile(self, share: float) -> Estimate:
-        """Return the value below which a share lies; ``inf`` beyond the bins, 0 before them.
+        """Return the value below which a share lies; ``inf`` beyond the bins, ``lowest`` before.
 
         The interval is that of independent draws by their ranks, from the binomial distribution, or
         Woodruff's (J Am Stat Assoc 47 (1952) 635-646) from the spread of the replicates' shares
-        below the value. It is open (``inf`` or 0) where no draw lies beyond.
+        below the value. It is open (``inf`` or ``lowest``) where no draw lies beyond.
         """
         value = self._at(share)
         if len(self.counts) == 1 or not math.isfinite(value):
@@ -126,7 +127,7 @@ class Distribution:
             around = over_replicates(np.array(shares))
             spread = around.high - around.value
             first, last = (share - spread) * self.size, (share + spread) * self.size
-        low = self._at(first / self.size) if first >= 1.0 else 0.0
+        low = self._at(first / self.size) if first >= 1.0 else self.lowest
         high = self._at(last / self.size) if last <= self.size else math.inf
         return Estimate(value, self._from_atom(low, 0), self._from_atom(high, 1))
 
@@ -151,7 +152,7 @@ class Distribution:
         if share > shares[-1]:
             return math.inf
         if share <= shares[0]:
-            return 0.0 if shares[0] > 0.0 else float(self.edges[0])
+            return self.lowest if shares[0] > 0.0 else float(self.edges[0])
         above = int(np.searchsorted(shares, share))
         # linear between the edge below and the edge above
         step = (share - shares[above - 1]) / (shares[above] - shares[above - 1])

@@ -11,11 +11,12 @@ from standfast.atlas.checking import checked_dataset, opened, read_box
 from standfast.atlas.layout import get_text
 from standfast.errors import InputError
 from standfast.population.people.study import PopulationStudy
-from standfast.population.summary.answers import ANSWERS, fits
-from standfast.population.summary.arrays import ARRAYS, AXES, GROWTH, SHARES, arrays_of
+from standfast.population.summary.answers import answers_of, fits
+from standfast.population.summary.arrays import GROWTH, Layout, arrays_of, layout_of
 
 FORMAT = "standfast population"
-FORMAT_VERSION = 1
+# Of springs alone, and with feedback, whose file holds other arrays.
+FORMAT_VERSION, FED_BACK_VERSION = 1, 2
 ROUNDING = 1e-9  # by which a share may pass 0 or 1
 
 
@@ -58,9 +59,10 @@ def open_population(path: str | Path) -> Population:
         if get_text(file, "format") != FORMAT:
             raise InputError(f"{path} is HDF5, but not a population of standfast")
         number = file.attrs.get("format_version")
-        if number != FORMAT_VERSION:
+        if number not in (FORMAT_VERSION, FED_BACK_VERSION):
             raise InputError(
-                f"{path} has format version {number}; this standfast reads {FORMAT_VERSION}"
+                f"{path} has format version {number}; "
+                f"this standfast reads {FORMAT_VERSION} and {FED_BACK_VERSION}"
             )
         try:
             study = PopulationStudy.from_canonical(get_text(file, "study") or "")
@@ -68,26 +70,34 @@ def open_population(path: str | Path) -> Population:
             raise InputError(f"{path}: {error}") from None
         if get_text(file, "study_sha256") != study.fingerprint:
             raise InputError(f"{path}: the study inside does not match its fingerprint")
+        if number != version_of(study):
+            raise InputError(f"{path}: the study inside is of another format version")
+        layout = layout_of(study)
         for name, known in arrays_of(study).items():
             if name != GROWTH or name in file:
                 dataset = checked_dataset(path, file, name, *known)
-                if name in ARRAYS:
-                    _check_values(path, name, dataset[()])
-        summary = _summary(path, bytes(file["summary"][()]))
+                if name in layout.arrays:
+                    _check_values(path, layout, name, dataset[()])
+        summary = _summary(path, study, bytes(file["summary"][()]))
         version = get_text(file, "standfast_version") or "unknown"
     return Population(path, study, version, summary)
 
 
-def _check_values(path: Path, name: str, values: np.ndarray) -> None:
+def version_of(study: PopulationStudy) -> int:
+    """Return the format version of a study's file."""
+    return FED_BACK_VERSION if study.is_fed_back else FORMAT_VERSION
+
+
+def _check_values(path: Path, layout: Layout, name: str, values: np.ndarray) -> None:
     """Refuse an axis with other values, and shares that are none."""
-    axis = name in AXES and not np.array_equal(values, AXES[name])
-    if axis or (name in SHARES and ((values < -ROUNDING) | (values > 1.0 + ROUNDING)).any()):
+    axis = name in layout.axes and not np.array_equal(values, layout.axes[name])
+    if axis or (name in layout.shares and ((values < -ROUNDING) | (values > 1.0 + ROUNDING)).any()):
         raise InputError(f"{path} is damaged (values of {name!r} are none that it can have)")
 
 
-def _summary(path: Path, raw: bytes) -> dict[str, Any]:
+def _summary(path: Path, study: PopulationStudy, raw: bytes) -> dict[str, Any]:
     """Read the answers; they are written one way alone, so whatever differs is damage."""
     found: dict[str, Any] = json.loads(raw)
-    if not fits(found, ANSWERS) or json.dumps(found, ensure_ascii=False).encode() != raw:
+    if not fits(found, answers_of(study)) or json.dumps(found, ensure_ascii=False).encode() != raw:
         raise InputError(f"{path} is damaged (its answers are not as they are written)")
     return found

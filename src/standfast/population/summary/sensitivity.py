@@ -1,6 +1,7 @@
 """Sensitivity of the risk: the factors of a population and their Sobol indices."""
 
 from collections.abc import Iterable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -8,24 +9,34 @@ import numpy as np
 from standfast.engine.mapping import map_over_batch
 from standfast.parameters import JOINTS
 from standfast.population.cohort.cohort import Cohort
+from standfast.population.cohort.nerves import delay_margins
 from standfast.population.cohort.persons import margins
 from standfast.population.people.sampling import Sampler
+from standfast.population.people.sections import NERVES
 from standfast.population.people.sobol import REPLICATES, sobol_block
 from standfast.population.summary.estimators import NoVarianceError, sobol_indices
 
 SENSITIVITY_SIZE = 2**13  # persons a scrambling, on which sensitivity is asked
+FED_BACK_SIZE = 2**11  # the same with feedback of several free joints, where a person takes longer
 FEWEST_EVENTS = 200  # falls or non-falls, below which indices of falling are chance
 SENSITIVITY_SEED = 2**63  # added to the study's, so that sensitivity has numbers of its own
 
 
 def drivers_of(cohort: Cohort, seed: int) -> dict[str, dict[str, Any]]:
-    """Return the Sobol indices of falling and of the safety factor by factor, or a remark."""
+    """Return the Sobol indices of falling and of a margin by factor, or a remark.
+
+    The margin is the safety factor; with feedback the delay margin.
+    """
     factors = factors_of(cohort.sampler)
     dimensions = 2 * len(cohort.sampler.coordinates)
-    outputs: dict[str, list[list[np.ndarray]]] = {"unstable": [], "safety_factor": []}
-    of_margins = map_over_batch(margins, cohort.model, cohort.names)
+    margin = "delay_margin" if cohort.model.nerves else "safety_factor"
+    outputs: dict[str, list[list[np.ndarray]]] = {"unstable": [], margin: []}
+    of_springs = map_over_batch(margins, cohort.model, cohort.names)
+    of_margins = partial(delay_margins, cohort) if cohort.model.nerves else of_springs
+    slow = cohort.model.nerves and cohort.model.free_joints > 1
+    size = FED_BACK_SIZE if slow else SENSITIVITY_SIZE
     for replicate in range(REPLICATES):
-        points = sobol_block(seed + SENSITIVITY_SEED, replicate, 0, dimensions, SENSITIVITY_SIZE)
+        points = sobol_block(seed + SENSITIVITY_SEED, replicate, 0, dimensions, size)
         first, second = np.split(points, 2)
         samples = [first, second]
         for rows in factors.values():
@@ -66,6 +77,7 @@ def factors_of(sampler: Sampler) -> dict[str, tuple[int, ...]]:
     together = [sampler.coordinates[row].name for row in sampler.correlated]
     joined = ", ".join([*together[:-2], " and ".join(together[-2:])])
     words |= dict.fromkeys(together, f"{joined} stiffness")
+    words |= {name: name.replace("_", " ") for name in NERVES}
     factors: dict[str, tuple[int, ...]] = {}
     for row, coordinate in enumerate(sampler.coordinates):
         name = words.get(coordinate.name, coordinate.name)

@@ -10,12 +10,18 @@ from typing import Any
 import numpy as np
 
 from standfast.parameters import JOINTS
-from standfast.population.cohort.cohort import AGE_CLASSES, Cohort
-from standfast.population.cohort.histograms import BMI_EDGES, HEIGHT_EDGES, Histograms, bin_edges
-from standfast.population.people.builtin import ANSUR, NHANES, SOURCES
+from standfast.population.cohort.cohort import Cohort
+from standfast.population.cohort.histograms import (
+    BMI_EDGES,
+    HEIGHT_EDGES,
+    Histograms,
+    bin_edges,
+    signed_bin_edges,
+)
+from standfast.population.people.builtin import SOURCES
 from standfast.population.people.records import SEXES
 from standfast.population.people.study import PopulationStudy
-from standfast.population.summary.arrays import STANDING_SHARES
+from standfast.population.summary.arrays import AGES, STANDING_SHARES
 from standfast.population.summary.estimators import (
     CONFIDENCE,
     NORMAL_QUANTILE,
@@ -26,6 +32,7 @@ from standfast.population.summary.estimators import (
     over_replicates,
     wilson,
 )
+from standfast.study.canonical import json_value
 
 # Edges of the classes people are told apart by, after the World Health Organization for BMI; the
 # fine bins of the risk map fall on all of them.
@@ -37,7 +44,7 @@ SHARES_TOLD = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 
 
 # Sexes and age classes in the order in which they are told.
-CLASS_ORDER = [*SEXES, *(name for _, name in AGE_CLASSES), *(g.age for g in (*NHANES, *ANSUR))]
+CLASS_ORDER = [*SEXES, *AGES[:-1]]
 
 
 class Summary:
@@ -54,6 +61,13 @@ class Summary:
         self.classes = np.array([each.classes for each in replicates])
         self.rows = np.sum([each.rows for each in replicates], axis=0)
         self.load_sums = np.array([each.load_sums for each in replicates])
+        if study.is_fed_back:
+            self.critical = np.array([each.critical_delay for each in replicates])
+            margins = np.array([each.delay_margin for each in replicates])
+            self.margin = Distribution(signed_bin_edges(), margins, lowest=-math.inf)
+            self.by_springs = np.array([each.by_springs for each in replicates])
+            self.left_open = int(sum(each.left_open.sum() for each in replicates))
+            return
         edges = bin_edges()
         self.safety = Distribution(edges, np.array([each.safety_factor for each in replicates]))
         self.growth = Distribution(edges, np.array([each.growth_rate for each in replicates]))
@@ -71,21 +85,57 @@ class Summary:
             "title": study.title,
             "gravity": study.gravity,
             "laws": json.loads(study.canonical)["stiffness"],
+            **({"nerves": self._nerves()} if study.is_fed_back else {}),
             **unstable.told("unstable_fraction"),
             "confidence": CONFIDENCE,
             "size": study.size,
             "seed": study.seed,
             "method": study.method,
             "effective_sample_size": draws,
-            "persons_with_details": self.safety.size,
+            "persons_with_details": int(persons.sum()) if study.is_fed_back else self.safety.size,
             "people": self._people(unstable.value, draws),
             "strata": self._strata(),
-            "safety_factor": _quantiles(self.safety),
-            "growth_rate_of_the_unstable": _quantiles(self.growth),
-            "single_joint_critical_stiffness": self._loads(),
-            "required_stiffness": self._required(),
+            **(self._of_delay() if study.is_fed_back else self._of_springs()),
             "drivers": self.drivers,
         }
+
+    def _of_springs(self) -> dict[str, Any]:
+        """Return what springs alone have: margins, and the stiffness that would be needed."""
+        return {
+            "safety_factor": _quantiles(self.safety),
+            "growth_rate_of_the_unstable": _quantiles(self.growth),
+            "single_joint_critical_stiffness": self._loads(self.safety.counts.sum(axis=1)),
+            "required_stiffness": self._required(),
+        }
+
+    def _of_delay(self) -> dict[str, Any]:
+        """Return what feedback has: who would fall without it, and which delay is borne."""
+        persons = self.by_springs.sum(axis=1)
+        borne: dict[str, Any] = {"all": _delays_borne(self.critical_delay())}
+        for number, key in enumerate(("sex", "age")):
+            words = {stratum[number] for stratum in self.cohort.strata}
+            found = {
+                word: self.critical_delay(**{key: word})
+                for word in sorted(words, key=CLASS_ORDER.index)
+            }
+            borne[key] = {word: _delays_borne(each) for word, each in found.items() if each.size}
+        return {
+            **fraction(self.by_springs[:, 1], persons).told("unstable_by_springs_alone"),
+            "left_open_by_rounding": self.left_open,
+            "critical_delay": _quantiles(self.critical_delay()),
+            "delay_margin": _quantiles(self.margin),
+            "delay_borne": borne,
+            "single_joint_critical_stiffness": self._loads(persons),
+        }
+
+    def critical_delay(self, sex: str | None = None, age: str | None = None) -> Distribution:
+        """Return the distribution of the critical delay, of some sex and age class."""
+        chosen = [(sex or s, age or a) == (s, a) for s, a in self.cohort.strata]
+        return Distribution(bin_edges(), self.critical[:, chosen].sum(axis=1))
+
+    def _nerves(self) -> dict[str, Any]:
+        """Return the distributions of damping, delay and gains by parameter."""
+        return {name: json_value(each.canonical()) for name, each in self.study.nerves}
 
     def _people(self, unstable: float, draws: float) -> dict[str, Any]:
         people = self.cohort.people
@@ -161,9 +211,8 @@ class Summary:
             **unstable.told("unstable_fraction", "interval"),
         }
 
-    def _loads(self) -> dict[str, Any]:
+    def _loads(self, persons: np.ndarray) -> dict[str, Any]:
         """Return mean and spread of each joint's threshold with the other two rigid."""
-        persons = self.safety.counts.sum(axis=1)
         found = {}
         for i, joint in enumerate(JOINTS):
             sums, squares = self.load_sums[:, 0, i], self.load_sums[:, 1, i]
@@ -196,6 +245,12 @@ class Summary:
             multiple_of_all = Estimate(*map(_inverse, (safety.value, safety.high, safety.low)))
             found["all"][f"{share:g}"] = multiple_of_all.told("multiple")
         return found
+
+
+def _delays_borne(critical: Distribution) -> dict[str, Any]:
+    """Return up to which delay shares of all stand; 0 where fewer stand even without delay."""
+    found = {f"{share:g}": critical.quantile(1.0 - share) for share in STANDING_SHARES}
+    return {share: each.told("delay") for share, each in found.items()}
 
 
 def _quantiles(distribution: Distribution) -> dict[str, Any] | None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from standfast.numerics.arrays import ROUNDOFF
 from standfast.stability.delay.crossings import crossings_of
-from standfast.stability.delay.problem import Apply, Problem, directly
+from standfast.stability.delay.problem import Apply, Problem, Whom, directly
 from standfast.stability.delay.rightmost import rightmost_roots
 from standfast.stability.delay.table import Crossings
 
@@ -20,20 +20,26 @@ from standfast.stability.delay.table import Crossings
 CANCELS = 8.0 * ROUNDOFF
 
 
-def all_crossings(numbers: np.ndarray, rigid: np.ndarray, *, apply: Apply = directly) -> Crossings:
+def all_crossings(
+    numbers: np.ndarray,
+    rigid: np.ndarray,
+    *,
+    of: Whom = "everybody",
+    apply: Apply = directly,
+) -> Crossings:
     """Return the crossings of persons with any joints rigid.
 
     ``numbers`` holds A, B, C, P, D, (5, 3, 3, persons), in which rows and columns of a rigid joint
-    may be anything; ``rigid`` is (3, persons).
+    may be anything; ``rigid`` is (3, persons). Others as of :func:`crossings_of`.
     """
     persons = numbers.shape[-1]
     unstable = np.zeros(persons, np.int32)
-    marks = np.zeros((3, persons), bool)
+    marks = np.zeros((4, persons), bool)
     tables = []
     for problem, who, reduced in _problems(numbers, rigid):
-        found = crossings_of(problem, reduced, apply=apply)
+        found = crossings_of(problem, reduced, of=of, apply=apply)
         unstable[who] = found.unstable
-        marks[:, who] = found.on_axis, found.neutral, found.uncertain
+        marks[:, who] = found.on_axis, found.neutral, found.uncertain, found.by_springs
         tables.append((who[found.person], found.frequency, found.angle, found.direction))
     empty = [(np.zeros(0, np.intp), np.zeros(0), np.zeros(0), np.zeros(0))]
     columns = (np.concatenate(each) for each in zip(*(tables or empty), strict=True))

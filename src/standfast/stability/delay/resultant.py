@@ -23,10 +23,19 @@ from typing import Any, NamedTuple, TypeAlias
 from standfast.numerics.arrays import Scalar, namespace
 from standfast.numerics.polynomials import OnCell, Polynomial, value_at
 
+TURN = 2.0 * math.pi
+
 Real: TypeAlias = Any  # a number, or a polynomial on a cell
 
 # Newton's method from ω good to rounding of R: the angle's digits double twice.
-POLISHING_STEPS = 3
+POLISHING_STEPS = 4
+
+
+class Complex(NamedTuple):
+    """A complex number as two real ones, which compilers make vectors of."""
+
+    re: Scalar
+    im: Scalar
 
 
 class OnAxis(NamedTuple):
@@ -81,8 +90,8 @@ def crossing_at(quasi: Sequence[Polynomial], x: Scalar) -> tuple[Scalar, Scalar,
     """
     xp = namespace(x, *(c for q in quasi for c in q))
     omega = xp.sqrt(x)
-    theta = -xp.angle(_root_on_circle([value_at(q, 1j * omega) for q in quasi]))
-    return refined(quasi, omega, theta)
+    start = _root_on_circle([value_at(q, 1j * omega) for q in quasi])
+    return refined(quasi, omega, -xp.angle(start))
 
 
 def refined(
@@ -90,22 +99,25 @@ def refined(
 ) -> tuple[Scalar, Scalar, Scalar, Scalar]:
     """Return ω, θ, the direction and the last correction of the crossing near ω and θ."""
     xp = namespace(omega, theta, *(c for q in quasi for c in q))
+    z = Complex(xp.cos(theta), -xp.sin(theta))
     correction: Scalar = 0.0
     for _ in range(POLISHING_STEPS):
-        z = xp.exp(-1j * theta)
-        at, by_s, by_z = slopes(quasi, 1j * omega, z)
+        at, by_s, by_z = _slopes_on_axis(quasi, omega, z)
         # Δ + i Δs dω − i z Δz dθ = 0 in two real unknowns
-        first, second = 1j * by_s, -1j * z * by_z
-        area = (first.conj() * second).imag
-        change = -(at.conj() * second).imag / area
-        turn = (at.conj() * first).imag / area
-        omega, theta = omega + change, theta + turn
+        first, turned = Complex(-by_s.im, by_s.re), _times(z, by_z)
+        second = Complex(turned.im, -turned.re)
+        area = first.re * second.im - first.im * second.re
+        change = (at.im * second.re - at.re * second.im) / area
+        turn = (at.re * first.im - at.im * first.re) / area
+        omega = omega + change
+        z = _times(z, Complex(xp.cos(turn), -xp.sin(turn)))
         correction = xp.maximum(abs(change) / omega, abs(turn))
-    z = xp.exp(-1j * theta)
-    _, by_s, by_z = slopes(quasi, 1j * omega, z)
-    direction = xp.sign((by_s * (1j * omega * z * by_z).conj()).real)
-    theta = theta - math.tau * xp.floor(theta / math.tau)
-    return omega, theta, direction, correction
+    _, by_s, by_z = _slopes_on_axis(quasi, omega, z)
+    turned = _times(z, by_z)
+    # i z Δz is (−Im, Re) of z Δz
+    direction = xp.sign(by_s.im * turned.re - by_s.re * turned.im)
+    theta = xp.arctan2(-z.im, z.re)
+    return omega, xp.where(theta < 0.0, theta + TURN, theta), direction, correction
 
 
 def parts(q: Polynomial) -> tuple[Polynomial, Polynomial]:
@@ -161,6 +173,30 @@ def _root_on_circle(q: Sequence[Scalar]) -> Scalar:
     first, second = first / abs(first), second / abs(second)
     nearer = abs(value_at(q, second)) < abs(value_at(q, first))
     return xp.where(nearer, second, first)
+
+
+def _times(p: Complex, q: Complex) -> Complex:
+    return Complex(p.re * q.re - p.im * q.im, p.re * q.im + p.im * q.re)
+
+
+def _plus(p: Complex, re: Scalar, im: Scalar) -> Complex:
+    return Complex(p.re + re, p.im + im)
+
+
+def _slopes_on_axis(
+    quasi: Sequence[Polynomial], omega: Scalar, z: Complex
+) -> tuple[Complex, Complex, Complex]:
+    """Return Δ, ∂Δ/∂s and ∂Δ/∂z at s = iω."""
+    x = omega**2
+    nothing = Complex(0.0 * omega, 0.0 * omega)
+    at, by_s, by_z = nothing, nothing, nothing
+    for q in reversed(quasi):  # Horner's scheme in z
+        (even, odd), (slope, odd_slope) = parts(q), parts([k * c for k, c in enumerate(q)][1:])
+        by_z = _plus(_times(by_z, z), at.re, at.im)
+        at = _plus(_times(at, z), value_at(even, x), omega * value_at(odd, x))
+        imaginary = omega * value_at(odd_slope, x) if odd_slope else 0.0
+        by_s = _plus(_times(by_s, z), value_at(slope, x), imaginary)
+    return at, by_s, by_z
 
 
 def slopes(quasi: Sequence[Polynomial], s: Scalar, z: Scalar) -> tuple[Scalar, Scalar, Scalar]:

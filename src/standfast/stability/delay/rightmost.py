@@ -14,17 +14,19 @@ notation: A inertia, B damping, C stiffness less gravity, P and D gains, τ dela
 import numpy as np
 
 from standfast.numerics.arrays import Array, Scalar, namespace
-from standfast.stability.delay.crossings import crossings_of, prepared
-from standfast.stability.delay.problem import Apply, Problem, directly
+from standfast.numerics.polynomials import all_roots
+from standfast.stability.delay.characteristic import undelayed
+from standfast.stability.delay.crossings import crossings_of
+from standfast.stability.delay.problem import Apply, Problem, directly, prepared
 from standfast.stability.delay.resultant import slopes
 from standfast.stability.delay.table import TURN, Crossings
 
 NEWTON_STEPS = 6  # in one call
-MOST_CALLS = 4
+MOST_CALLS = 3
 CONVERGED = 1e-11  # of the last step relative to the root
 RIGHT_OF = 1e-9  # how far right of a root, in 1/s and relative, none may lie
 ROUNDS = 60
-CHAIN = 5
+CHAIN = 5  # turns of a crossing that are followed, the last first
 
 
 def newton(problem: Problem, coefficients: Array, delay: Scalar, re: Scalar, im: Scalar) -> Array:
@@ -56,6 +58,9 @@ def rightmost_roots(
     coefficients, _, _, bound = map(np.asarray, apply(prepared, problem, numbers))
     search = _Search(problem, numbers, delay, coefficients, np.sqrt(bound), apply)
     everyone = np.arange(delay.size)
+    if problem.rank == 0:  # the roots of a polynomial are all there are
+        search.try_limits(everyone)
+        return search.root, np.isfinite(search.root)
     table = crossings_of(problem, numbers, apply=apply)
     unstable = table.unstable_each(delay)
     search.high[(unstable == 0) & ~table.uncertain] = 0.0
@@ -114,25 +119,27 @@ class _Search:
         self.try_from(persons, table, line)
 
     def try_from(self, persons: np.ndarray, table: Crossings, line: np.ndarray) -> None:
-        """Follow each crossing of Re s = line to the delay, and take the best root found."""
+        """Follow each crossing of Re s = line to the delay, and take the best root found.
+
+        A crossing that was passed several times has left a chain of roots, one a turn, of which any
+        may be the rightmost: each starts from where it has gone since, and from where its phase
+        says that it is now.
+        """
         whose = persons[table.person]
-        delay = self.delay[whose]
-        passed = np.floor((delay * table.frequency - table.angle) / TURN)
-        for back in range(CHAIN):
-            turn = np.maximum(np.rint(passed + 0.5), 0.0) if back == 0 else passed + 1.0 - back
-            there = turn >= 0.0
-            who, number = whose[there], table.person[there]
-            frequency, tau = table.frequency[there], delay[there]
-            phase = table.angle[there] + TURN * turn[there]
-            crossed = phase / frequency
-            s = line[number] + 1j * frequency
-            with np.errstate(all="ignore"):
-                z = np.exp(-s * crossed)
-                _, by_s, by_z = slopes(self.problem.quasi(self.coefficients[:, who]), s, z)
-                s = s + s * z * by_z / (by_s - crossed * z * by_z) * (tau - crossed)
-                along = line[number] + 1j * phase / tau
-            self._improve(who, s)
-            self._improve(who, along)
+        passed = np.floor((self.delay[whose] * table.frequency - table.angle) / TURN)
+        back = np.arange(CHAIN)[:, None]
+        turn = np.maximum(passed, 0.0) - back + np.where(passed < 0.0, 0.0, 1.0)
+        number = np.broadcast_to(np.arange(whose.size), turn.shape)[turn >= 0.0]
+        turn, whose = turn[turn >= 0.0], whose[number]
+        delay, phase = self.delay[whose], table.angle[number] + TURN * turn
+        crossed = phase / table.frequency[number]
+        s = line[table.person[number]] + 1j * table.frequency[number]
+        with np.errstate(all="ignore"):
+            z = np.exp(-s * crossed)
+            _, by_s, by_z = slopes(self.problem.quasi(self.coefficients[:, whose]), s, z)
+            since = s + s * z * by_z / (by_s - crossed * z * by_z) * (delay - crossed)
+            now = s.real + 1j * phase / delay
+        self._improve(np.concatenate([whose, whose]), np.concatenate([since, now]))
 
     def try_limits(self, persons: np.ndarray) -> None:
         """Start from the roots without delay, and from those without feedback.
@@ -140,16 +147,9 @@ class _Search:
         Fast falls are over before the feedback arrives, and so are near the latter.
         """
         quasi = self.problem.quasi(self.coefficients[:, persons])
-        whole = np.zeros((len(quasi[0]), persons.size))
-        for q in quasi:
-            whole[: len(q)] += q
-        for rows in (whole, np.array(quasi[0])):
-            size = len(rows) - 1
-            companion = np.zeros((persons.size, size, size))
-            companion[:, np.arange(1, size), np.arange(size - 1)] = 1.0
-            companion[:, :, -1] = -(rows[:-1] / rows[-1]).T
-            roots = np.linalg.eigvals(companion)
-            self._improve(np.repeat(persons, size), roots.ravel())
+        for polynomial in (undelayed(quasi), quasi[0]):
+            roots = all_roots(np.array(polynomial))
+            self._improve(np.repeat(persons, roots.shape[1]), roots.ravel())
 
     def _improve(self, whose: np.ndarray, s: np.ndarray) -> None:
         """Take candidates to roots by Newton's method; keep each person's rightmost."""

@@ -26,6 +26,9 @@ class Crossings:
     on_axis, neutral, uncertain : (persons,), bool
         whether roots lie on the axis without delay; whether 0 is a root, at every delay then;
         where rounding leaves anything open.
+    by_springs : (persons,), bool
+        whether nothing is fed back: then the person stands if C is positive definite, whatever
+        lies on the axis, and roots to the right are the negative eigenvalues of C.
     person, frequency, angle, direction : (crossings,)
         whose, ω (rad/s), θ (rad, 0 ≤ θ < 2π), +1 to the right or −1 as the delay grows; the root
         iω lies on the axis for the delays (θ + 2πk)/ω.
@@ -35,6 +38,7 @@ class Crossings:
     on_axis: np.ndarray
     neutral: np.ndarray
     uncertain: np.ndarray
+    by_springs: np.ndarray
     person: np.ndarray
     frequency: np.ndarray
     angle: np.ndarray
@@ -57,16 +61,27 @@ class Crossings:
         found = np.bincount(self.person, change, minlength=len(self.unstable))
         return self.unstable + np.rint(found).astype(np.int32)
 
+    def stable_each(self, delay: np.ndarray) -> np.ndarray:
+        """Return whether each person stands at its own delay, bool, as :meth:`stable_at`."""
+        stable: np.ndarray = (self.unstable_each(delay) == 0) & ~self.neutral
+        stable &= ~self.on_axis | (delay > 0.0)
+        own = delay[self.person]
+        turns = np.maximum(np.rint((own * self.frequency - self.angle) / TURN), 0.0)
+        crossing = (self.angle + turns * TURN) / self.frequency
+        on_axis = (crossing / CROSSING <= own) & (own <= crossing * CROSSING)
+        stable[self.person[on_axis]] = False
+        return stable
+
     def unstable_at(self, delays: np.ndarray) -> np.ndarray:
         """Return the number of roots with a positive real part, (persons, rising delays)."""
         places = len(delays) + 1
-        changes = np.zeros(len(self.unstable) * places, np.int32)
+        changes = np.zeros(len(self.unstable) * places, np.int16)
         changes[::places] = self.unstable
         for person, delay, change in self.passages(float(delays[-1])):
             # at the very delay of a crossing the root lies on the axis
             at = person * places + np.searchsorted(delays, delay, side="right")
-            changes += np.bincount(at, change, changes.size).astype(np.int32)
-        return np.cumsum(changes.reshape(-1, places)[:, :-1], axis=1, dtype=np.int32)
+            np.add.at(changes, at, change.astype(np.int16))
+        return np.cumsum(changes.reshape(-1, places)[:, :-1], axis=1, dtype=np.int16)
 
     def stable_at(self, delays: np.ndarray) -> np.ndarray:
         """Return whether persons stand at rising delays, (persons, delays), bool.
@@ -82,6 +97,12 @@ class Crossings:
             for number in np.flatnonzero(last > first):
                 stable[person[number], first[number] : last[number]] = False
         return stable
+
+    def settle(self, person: int, *, stands: bool) -> None:
+        """Note for a person without feedback what exact arithmetic says: whether it stands."""
+        self.neutral[person] = False
+        self.uncertain[person] = False
+        self.unstable[person] = 0 if stands else max(self.unstable[person], 1)
 
     def passages(self, longest: float) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         """Give persons, delays up to ``longest`` at which roots cross, and ±2, turn by turn."""

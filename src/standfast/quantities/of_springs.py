@@ -1,97 +1,19 @@
-"""The one table of quantities: a row carries all that is known of one.
+"""The rows of quantities that springs and gravity decide, and of the verdict."""
 
-Labels of figures, attributes of files, help texts, the axes of its grid and how the engine computes
-it come from the row. A new quantity is one function of a :class:`Person` and one row.
-"""
+from collections.abc import Callable
+from typing import Any
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from fractions import Fraction
-from typing import Any, NamedTuple
-
-from standfast.anthropometry.body import Body, body_of
+from standfast.anthropometry.body import Body
 from standfast.mechanics.joints import Stiffness
-from standfast.numerics.arrays import Scalar, Vector
-from standfast.parameters import COUPLINGS, PARAMETERS, STIFFNESS_UNIT, STIFFNESSES, label
+from standfast.numerics.arrays import Scalar
+from standfast.parameters import STIFFNESS_UNIT
+from standfast.quantities.row import NERVES, Person, Quantity, Step
 from standfast.stability import fast, springs
+from standfast.stability.delay import answers
 from standfast.stability.exact import SCALING_ROUNDING, exact_threshold
 from standfast.stability.margins import safety_factor, stability_determinant, stiffness_reserve
 from standfast.stability.modes import frequency, growth_rate, modes, ratio_to_ankle
 from standfast.stability.rounding import threshold_interval
-
-
-class Person(NamedTuple):
-    """One person, as the functions of the table are given them.
-
-    ``given`` holds all parameters by name, those that a study leaves out as plain numbers; of
-    ``stiffness`` a joint on which a quantity does not depend is None.
-    """
-
-    body: Body
-    stiffness: Stiffness
-    gravity: Scalar
-    given: Mapping[str, Any]
-
-    @classmethod
-    def of(cls, given: Mapping[str, Any]) -> "Person":
-        """Make a person from parameters by name, with a reference person as ``body_model``."""
-        unwritten = {row.name: row.default for row in PARAMETERS.values() if row.unwritten}
-        given = {**unwritten, **given}
-        stiffness = Stiffness._make(given.get(name) for name in (*STIFFNESSES, *COUPLINGS))
-        return cls(body_of(given), stiffness, given["gravity"], given)
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """Where along an axis a quantity that is 0 or 1 changes from 0 to 1.
-
-    The value is 1 where the parameter ``along`` lies above the place of the step. ``interval``
-    finds one person's place, and the ends between which the exact place lies; ``exact`` the exact
-    place, of parameters by name, or None if there is none.
-    """
-
-    along: str
-    interval: Callable[[Person], Vector]
-    exact: Callable[[Mapping[str, Any]], Fraction | None]
-
-
-@dataclass(frozen=True, slots=True)
-class Quantity:
-    """A number that standfast computes for one person.
-
-    ``reference`` finds it for one person, or something of which ``pick`` takes it; quantities of
-    one ``reference`` share what it finds. ``fast`` is a fast way to what ``reference`` finds: it
-    returns (found, uncertain), and what is uncertain is asked of the reference; always so with a
-    rigid joint. Quantities of one way share it. ``without`` are the parameters, and the sections of
-    parameters, on which it does not depend; ``flags`` the meanings of 0, 1 and so on of a quantity
-    of whole numbers.
-    """
-
-    name: str
-    symbol: str
-    unit: str
-    meaning: str
-    reference: Callable[[Person], Any]
-    pick: Callable[[Person, Any], Scalar] = lambda _, found: found
-    dtype: str = "float64"
-    without: tuple[str, ...] = ()
-    fast: Callable[[Person], tuple[Any, Scalar]] | None = None
-    step: Step | None = None
-    flags: tuple[str, ...] = ()
-
-    @property
-    def label(self) -> str:
-        """Axis label of a figure: words, symbol and unit."""
-        return label(self.name.replace("_", " "), self.symbol, self.unit)
-
-    def depends_on(self, parameter: str) -> bool:
-        """Return whether a parameter, by its name, can change it."""
-        section = PARAMETERS[parameter].section
-        return not {parameter, section, section.partition(".")[0]} & set(self.without)
-
-
-# What is not of springs and gravity, in sections of parameters.
-NERVES = ("damping", "feedback")
 
 
 def of_springs(function: Callable[[Body, Stiffness, Scalar], Any]) -> Callable[[Person], Any]:
@@ -104,7 +26,7 @@ def _threshold(joint: str, function: Callable[..., Scalar], *others: str) -> Qua
 
     def found(person: Person) -> Scalar:
         given = (getattr(person.stiffness, other) for other in others)
-        return function(person.body, *given, person.gravity)
+        return function(person.body, *given, person.gravity, person.stiffness.couplings)
 
     return Quantity(
         f"critical_{joint}_stiffness",
@@ -147,12 +69,17 @@ eigenvalues_of = of_springs(fast.fast_eigenvalues)
 STANDING = Step(
     along="ankle_stiffness",
     interval=lambda one: threshold_interval(
-        one.body, one.stiffness.knee, one.stiffness.hip, one.gravity, scaling=SCALING_ROUNDING
+        one.body,
+        one.stiffness.knee,
+        one.stiffness.hip,
+        one.gravity,
+        one.stiffness.couplings,
+        scaling=SCALING_ROUNDING,
     ),
     exact=exact_threshold,
 )
 
-_TABLE = (
+OF_SPRINGS = (
     Quantity(
         "stable",
         "",
@@ -163,6 +90,7 @@ _TABLE = (
         dtype="uint8",
         step=STANDING,
         flags=("unstable", "stable"),
+        fed_back=answers.stands,
     ),
     Quantity(
         "stability_determinant",
@@ -218,4 +146,3 @@ _TABLE = (
     _rotation("hip"),
     _rotation("knee"),
 )
-QUANTITIES = {row.name: row for row in _TABLE}

@@ -1,0 +1,189 @@
+"""What a second worker buys, and what it costs to have a worker at all.
+
+Every timing is of a fresh process: warm workers, or a thread, bound to one core each, and a caller
+that has the same cores and no more. Run as ``python benchmarks/workers.py`` (about eight minutes).
+"""
+
+import json
+import multiprocessing
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import standfast as sf
+from harness import Demand, Report, Row, ratio
+from standfast.atlas.sweeping import sweep_shards
+from standfast.population.people.study import PopulationStudy
+from standfast.population.simulation import simulate_shards
+from standfast.study.toml import read_toml
+from standfast.version import __version__
+
+PERSONS = 3 * 10**8
+SIDE = 600  # values of an axis of numbers
+RATIO_SIDE = 400
+ROUNDS = 2
+PEOPLE = Path(__file__).with_name("population.toml")
+
+# Of each work how it is made in two versions, one to warm up with; how it is done; its task.
+Kind = tuple[Callable[[bool], Any], Callable[..., Any], Callable[..., Any]]
+
+
+def persons(warm: bool) -> PopulationStudy:
+    """Return women of NHANES."""
+    content = read_toml(PEOPLE)
+    content["population"]["size"] = PERSONS
+    content["title"] = f"{content['title']}{' again' * warm}"
+    return PopulationStudy.from_dict(content)
+
+
+def numbers(quantity: str, side: int, warm: bool) -> sf.Study:
+    """Return a grid of one person's stiffnesses."""
+    axis = {"start": 1, "stop": 2000, "num": side}
+    return sf.Study.from_dict({
+        "title": "Numbers", "gravity": 9.0 if warm else 9.8,
+        "body": {"model": "edwards2007", "height": 1.753, "mass": 70.0},
+        "stiffness": {"ankle": axis, "knee": axis, "hip": axis},
+        "output": {"quantities": [quantity]},
+    })  # fmt: skip
+
+
+KINDS: dict[str, Kind] = {
+    "persons": (persons, sf.simulate, simulate_shards),
+    "eigenvalue": (lambda warm: numbers("eigenvalue_1", SIDE, warm), sf.sweep, sweep_shards),
+    "ratio": (lambda warm: numbers("hip_ankle_ratio", RATIO_SIDE, warm), sf.sweep, sweep_shards),
+}
+WORDS = {
+    "persons": f"{PERSONS:.3g} persons",
+    "eigenvalue": f"{SIDE**3:.3g} eigenvalues",
+    "ratio": f"{RATIO_SIDE**3:.3g} rotation ratios",
+}
+
+
+def main() -> None:
+    """Measure in turn, and write the report."""
+    report = Report(
+        "workers",
+        "What does a second worker buy, and what does a worker cost?",
+        f"spawned workers, one thread each, {ROUNDS} rounds in turn; caller and workers share as "
+        "many cores as there are workers; the folder is on the disk of temporary files",
+        limitations=[
+            "All is measured after every worker has done a task of another study of the same "
+            "shape; what that takes, with Python's start, imports and compiling, is told apart.",
+            "With two workers the caller's assembling competes with them for two cores.",
+        ],
+    )
+    for name, words in WORDS.items():
+        seconds: dict[str, list[float]] = {}
+        starts: list[float] = []
+        for _ in range(ROUNDS):
+            for how in ("thread", "one", "two", "task", "task here"):
+                found = measured(name, how)
+                print(f"  {name}, {how}: {found['run']:.1f} s", flush=True)
+                seconds.setdefault(how, []).append(found["run"])
+                starts += [found["start"]] * (how == "one")
+        work = found_work(name)
+        for how, what in (
+            ("thread", "a thread of the caller, one core"),
+            ("one", "one worker, one core"),
+            ("two", "two workers, two cores"),
+        ):
+            report.rows.append(Row(f"{words}: {what}", seconds[how], work, name))
+        share = work * taken(name) / KINDS[name][0](False).shard_count
+        report.rows += [
+            Row(f"{words}: some shards, by the caller", seconds["task here"], share, name),
+            Row(f"{words}: the same shards as a task", seconds["task"], share, name),
+            Row(f"{words}: start of a worker, with its first shard", starts, 1, "starts"),
+        ]
+        report.demands += [
+            Demand(f"{words}: two workers over one", 1.8, ratio(seconds, "one", "two")),
+            Demand(
+                f"{words}: a worker over a thread, seconds", 1.05,
+                1.0 / ratio(seconds, "thread", "one"), most=True,
+            ),
+            Demand(
+                f"{words}: a task over the same here, seconds", 1.05,
+                1.0 / ratio(seconds, "task here", "task"), most=True,
+            ),
+        ]  # fmt: skip
+    report.write()
+
+
+def found_work(name: str) -> float:
+    """Return how many persons or values a work is."""
+    return PERSONS if name == "persons" else {"eigenvalue": SIDE, "ratio": RATIO_SIDE}[name] ** 3
+
+
+def taken(name: str) -> int:
+    """Return how many shards go into the task that is timed alone."""
+    return KINDS[name][0](False).shard_count // 2
+
+
+def measured(name: str, how: str) -> dict[str, float]:
+    """Return seconds of one way, from a process that has its cores alone from the beginning."""
+    command = [sys.executable, __file__, name, how]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    found: dict[str, float] = json.loads(done.stdout)
+    return found
+
+
+def timed(name: str, how: str) -> dict[str, float]:
+    """Do a work one way, warm; this process was begun for it."""
+    workers = {"thread": 0, "task here": 0, "two": 2}.get(how, 1)
+    os.sched_setaffinity(0, range(max(workers, 1)))
+    make, compute, task = KINDS[name]
+    spawn = multiprocessing.get_context("spawn")
+    turn = spawn.Value("i", 0)
+    options: dict[str, Any] = {"threads": 1}
+    with TemporaryDirectory() as folder, ProcessPoolExecutor(
+        workers or 1, mp_context=spawn, initializer=bind, initargs=(turn,)
+    ) as pool:  # fmt: skip
+        if workers:
+            options["executor"] = pool
+        warm, study = make(True), make(False)
+        began = time.perf_counter()
+        # two shards a worker, so that none is without
+        compute(warm, f"{folder}/warm.h5", part=(1, warm.shard_count // (2 * max(workers, 1))),
+                **options)  # fmt: skip
+        start = time.perf_counter() - began
+        began = time.perf_counter()
+        if how.startswith("task"):
+            # makes the folder that says whose it is
+            last = study.shard_count
+            compute(study, f"{folder}/a.h5", part=(last, last), **options)
+            text, shards = job_text(name, study), tuple(range(taken(name)))
+            for asked in ((last - 1,), shards):  # whoever does it knows the job by the second
+                began = time.perf_counter()
+                arguments = (text, f"{folder}/a.h5", asked, 1, __version__)
+                done = pool.submit(task, *arguments).result() if workers else task(*arguments)
+                if done != list(asked):
+                    raise RuntimeError(done)
+        else:
+            compute(study, f"{folder}/a.h5", **options)
+        return {"start": start, "run": time.perf_counter() - began}
+
+
+def job_text(name: str, study: Any) -> str:
+    """Return what a task is told."""
+    if name != "persons":
+        return str(study.canonical)
+    return json.dumps({"study": study.canonical, "files": [str(p) for p in study.files]})
+
+
+def bind(turn: Any) -> None:
+    """Bind a worker to a core of its own."""
+    with turn.get_lock():
+        os.sched_setaffinity(0, [turn.value])
+        turn.value += 1
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        print(json.dumps(timed(*sys.argv[1:])))
+    else:
+        main()

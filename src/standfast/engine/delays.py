@@ -1,0 +1,137 @@
+"""Quantities of delayed feedback: a table of crossings a person, then a comparison a delay.
+
+Along the axis of the delay the number of unstable roots changes only at a few places. So what all
+delays share is found once on the other axes; tiles that differ in the delay alone share it too.
+"""
+
+import math
+import threading
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from standfast.engine.mapping import Inputs, along_axis, in_batches, map_over_grid
+from standfast.mechanics.feedback import equation_of
+from standfast.numerics.arrays import Array
+from standfast.quantities import QUANTITIES, Person
+from standfast.stability.delay.answers import FedBack, of_whom
+from standfast.stability.delay.persons import all_crossings, all_rightmost
+from standfast.stability.delay.problem import Apply, directly
+from standfast.stability.delay.table import Crossings
+from standfast.stability.exact import exact_threshold
+from standfast.study.grid import Group, Tile
+from standfast.study.study import Study
+
+DELAY = "feedback_delay"
+FEW = 1000  # points that are found before anything is compiled
+KEPT = 16  # tables that are kept between tiles
+
+
+class Delays:
+    """Computes the tiles of a group of quantities of delayed feedback."""
+
+    def __init__(self, study: Study, group: Group, inputs: Inputs) -> None:
+        self.study, self.group, self.inputs = study, group, inputs
+        self.others = tuple(name for name in group.axes if name != DELAY)
+        self.place = group.axes.index(DELAY) if DELAY in group.axes else None
+        self.fixed_delay = np.array([float(study.fixed.get(DELAY, 0.0))])
+        self.answers = [QUANTITIES[name].fed_back for name in group.quantities]
+        self.of = of_whom(self.answers)
+        points = math.prod(group.shape)
+        self.apply: Apply = in_batches if points > FEW else directly
+        self.left_open = 0
+        self._lock = threading.Lock()
+        # tiles of one table, which differ in the delay, come one after the other or in threads
+        self.tables = lru_cache(maxsize=KEPT)(self._table)
+
+    def __call__(self, tile: Tile) -> tuple[np.ndarray, ...]:
+        """Compute one tile."""
+        chunk, delays = tile.chunk, self.fixed_delay
+        sides = self.group.chunk_shape
+        if self.place is not None:
+            length = sides[self.place]
+            values = self.study.axes[DELAY]
+            delays = values[along_axis(length * chunk[self.place], length, len(values))]
+            chunk = chunk[: self.place] + chunk[self.place + 1 :]
+            sides = sides[: self.place] + sides[self.place + 1 :]
+        numbers, rigid, table = self.tables(chunk)
+        asked = FedBack(table, delays, lambda: self._roots(numbers, rigid, delays))
+        found = []
+        for name, answer in zip(self.group.quantities, self.answers, strict=True):
+            if answer is None:
+                raise ValueError(f"{name} is none of delayed feedback")
+            values = answer(asked).astype(QUANTITIES[name].dtype)
+            if self.place is None:
+                found.append(values.reshape(sides))
+            else:
+                spread = values.reshape(*sides, delays.size)
+                found.append(np.ascontiguousarray(np.moveaxis(spread, -1, self.place)))
+        return tuple(found)
+
+    def _table(self, chunk: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, Crossings]:
+        """Return matrices, rigid joints and crossings on a chunk of the other axes."""
+        sides = [
+            side
+            for name, side in zip(self.group.axes, self.group.chunk_shape, strict=True)
+            if name != DELAY
+        ]
+        counts = [len(self.study.axes[name]) for name in self.others]
+        starts = [number * side for number, side in zip(chunk, sides, strict=True)]
+        at = dict(zip(self.others, map(along_axis, starts, sides, counts), strict=True))
+        entries = _matrices(self.others)(self.inputs.fixed, self.inputs.pieces(at))
+        numbers = np.stack([np.asarray(entry).ravel() for entry in entries]).reshape(5, 3, 3, -1)
+        rigid = np.isinf(numbers[2].diagonal()).T
+        table = all_crossings(numbers, rigid, of=self.of, apply=self.apply)
+        for person in np.flatnonzero(table.by_springs & table.uncertain):
+            place = np.unravel_index(person, sides)
+            varying = {
+                name: self.study.axes[name][at[name][i]]
+                for name, i in zip(self.others, place, strict=True)
+            }
+            table.settle(int(person), stands=_stands_exactly({**self.inputs.plainly, **varying}))
+        inside = [
+            min(side, count - start)
+            for side, count, start in zip(sides, counts, starts, strict=True)
+        ]
+        within = table.uncertain.reshape(sides)[tuple(slice(length) for length in inside)]
+        self._count(int(within.sum()))
+        return numbers, rigid, table
+
+    def _roots(
+        self, numbers: np.ndarray, rigid: np.ndarray, delays: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        persons = rigid.shape[1]
+        root, proven = all_rightmost(
+            np.repeat(numbers, delays.size, axis=-1),
+            np.repeat(rigid, delays.size, axis=-1),
+            np.tile(delays, persons),
+            apply=self.apply,
+        )
+        self._count(int((~proven).sum()))
+        return root.reshape(persons, -1), proven.reshape(persons, -1)
+
+    def _count(self, left_open: int) -> None:
+        with self._lock:
+            self.left_open += left_open
+
+
+@lru_cache(maxsize=64)
+def _matrices(axes: tuple[str, ...]) -> Any:
+    """Compile the entries of A, B, C, P and D over some axes."""
+
+    def of_one(given: dict[str, Any]) -> tuple[Array, ...]:
+        person = Person.of(given)
+        parts = equation_of(person.body, person.stiffness, person.gravity, person.given)
+        entries = (entry for part in parts for row in part for entry in row)
+        return tuple(jnp.asarray(entry, jnp.float64) for entry in entries)
+
+    return map_over_grid(of_one, axes)
+
+
+def _stands_exactly(given: Mapping[str, Any]) -> bool:
+    """Return the verdict of springs in exact arithmetic, of parameters by name."""
+    threshold = exact_threshold(given)
+    return threshold is not None and float(given["ankle_stiffness"]) > threshold

@@ -1,0 +1,87 @@
+"""What is asked of persons with delayed feedback: answers from their crossings and roots.
+
+An answer has the shape (persons,), or (persons, delays) where it depends on the delay.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import get_args
+
+import numpy as np
+
+from standfast.stability.delay.problem import Whom
+from standfast.stability.delay.table import Crossings
+
+
+@dataclass(frozen=True)
+class FedBack:
+    """Persons with delayed feedback: their crossings, the delays that are asked, their roots.
+
+    ``find_roots`` gives the rightmost root of each person at each delay, (persons, delays), and
+    whether it is proven; it is asked once, and only by who needs it.
+    """
+
+    crossings: Crossings
+    delays: np.ndarray
+    find_roots: Callable[[], tuple[np.ndarray, np.ndarray]]
+
+    @cached_property
+    def roots(self) -> np.ndarray:
+        """Rightmost roots (1/s), imaginary part ≥ 0."""
+        return self.find_roots()[0]
+
+
+def stands(asked: FedBack) -> np.ndarray:
+    """Return whether no root has a real part ≥ 0."""
+    return asked.crossings.stable_at(asked.delays)
+
+
+def unstable_roots(asked: FedBack) -> np.ndarray:
+    """Return the number of roots with a positive real part."""
+    return asked.crossings.unstable_at(asked.delays)
+
+
+def critical_delay(asked: FedBack) -> np.ndarray:
+    """Return the smallest delay at which stability is lost (s)."""
+    return asked.crossings.critical_delay()
+
+
+def delay_margin(asked: FedBack) -> np.ndarray:
+    """Return by how much the delay could grow before stability is first lost (s)."""
+    margin: np.ndarray = asked.crossings.critical_delay()[:, None] - asked.delays
+    return margin
+
+
+def decay_rate(asked: FedBack) -> np.ndarray:
+    """Return −Re of the rightmost root (1/s)."""
+    return -asked.roots.real
+
+
+def sway_frequency(asked: FedBack) -> np.ndarray:
+    """Return Im of the rightmost root as a frequency (Hz)."""
+    frequency: np.ndarray = asked.roots.imag / (2.0 * np.pi)
+    return frequency
+
+
+def damping_ratio(asked: FedBack) -> np.ndarray:
+    """Return −Re s/|s| of the rightmost root, negative where the person falls."""
+    size = np.abs(asked.roots)
+    ratio: np.ndarray = -asked.roots.real / np.where(size > 0.0, size, 1.0)
+    # with three rigid joints nothing moves, and all motion has died out at once
+    return np.where(np.isinf(size), 1.0, ratio)
+
+
+# Of whom an answer needs the crossings, if not of everybody.
+OF_WHOM: dict[Callable[[FedBack], np.ndarray], Whom] = {
+    critical_delay: "who stands at once",
+    delay_margin: "who stands at once",
+    stands: "who may stand",
+}
+
+
+def of_whom(answers: Iterable[Callable[[FedBack], np.ndarray] | None]) -> Whom:
+    """Return of whom some answers together need the crossings."""
+    few_to_all: tuple[Whom, ...] = get_args(Whom)
+    needs = [OF_WHOM.get(answer, "everybody") if answer else "everybody" for answer in answers]
+    return max(needs, key=few_to_all.index)

@@ -86,7 +86,7 @@ def random_persons(
     derivative[..., of_one] = (ratio * proportional)[..., of_one]
     modal, by_inertia = kind == "modal", rng.random(size) < 0.5
     shape = np.where(by_inertia, inertia * rng.uniform(5.0, 60.0, size), gravity)
-    proportional[..., modal] = (rng.uniform(1.0, 2.0, size) * shape)[..., modal]
+    proportional[..., modal] = (rng.uniform(0.7, 2.0, size) * shape)[..., modal]
     derivative[..., modal] = (ratio * rng.uniform(0.3, 2.0, size) * shape)[..., modal]
     rigid = np.array(PATTERNS[1:]).T[:, rng.integers(len(PATTERNS) - 1, size=size)]
     rigid = rigid & (rng.random(size) < rigid_share)

@@ -10,6 +10,7 @@ from delay_oracles import crossings_by_pencil, polished_crossing
 from delay_people import random_persons
 from delay_scans import expected_inside, gaps, inside
 from standfast.stability.delay import boxes, crossings
+from standfast.stability.delay import problem as problems
 from standfast.stability.delay.persons import all_crossings
 from standfast.stability.delay.problem import Problem, directly
 
@@ -65,7 +66,7 @@ def prepared(kind, count):
     """Coefficients and bounds of persons of three free joints, and their known crossings."""
     people = random_persons(np.random.default_rng(SEED), count, (kind,), rigid_share=0.0)
     problem = Problem(3, 3)
-    coefficients, _, _, bound = directly(crossings.prepared, problem, people.numbers)
+    coefficients, _, _, bound = directly(problems.prepared, problem, people.numbers)
     known = []
     for person in range(count):
         matrices = people.matrices(person)
@@ -73,11 +74,14 @@ def prepared(kind, count):
     return problem, coefficients, np.sqrt(bound), known
 
 
-def test_the_resultant_alone_leaves_them_open():
-    problem, coefficients, highest, _ = prepared("one ratio", 20)
-    open_ = np.zeros(20, bool)
-    crossings._isolated(problem, coefficients, highest**2, open_, directly)
-    assert open_.all()
+def test_the_resultant_alone_leaves_them_open(people, monkeypatch):
+    def nothing(problem, coefficients, highest, apply):
+        return np.zeros(0, np.intp), np.zeros((4, 0)), np.ones(highest.size, bool)
+
+    monkeypatch.setattr(crossings, "isolated_in_boxes", nothing)
+    found = all_crossings(people.numbers, people.rigid)
+    one_ratio = (people.kind == "one ratio") & (people.free.sum(axis=0) > 1)
+    assert found.uncertain[one_ratio].all()
 
 
 @pytest.mark.parametrize("kind", ["one ratio", "full"])
@@ -121,6 +125,6 @@ def within(box, known, larger):
 
 def test_without_the_rest_a_box_would_claim_too_much(monkeypatch):
     """The test above can fail: with ρ taken for 0, boxes are said to be empty that are not."""
-    monkeypatch.setattr(boxes, "_rest", lambda sizes, h, t: (0.0 * h, 0.0 * h))
+    monkeypatch.setattr(boxes, "remainders", lambda sizes, h, t: (0.0 * h, 0.0 * h))
     with pytest.raises(AssertionError):
         test_what_a_box_claims_holds("full")

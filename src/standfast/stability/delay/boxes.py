@@ -61,7 +61,7 @@ def boxed(problem: Problem, coefficients: Array, boxes: Array) -> Array:
     nothing = _far_from_zero(sizes, (at, by_omega, by_theta), (h, t), rounding)
     # Newton's step and what the rest, of f and of its slopes, makes of it in a larger box
     larger, wider = LARGER * h, LARGER * t
-    rest, of_slopes = _rest(sizes, larger, wider)
+    rest, of_slopes = remainders(sizes, larger, wider)
     area = (by_omega.conj() * by_theta).imag
     step = -(at.conj() * by_theta).imag / area
     turn = (at.conj() * by_omega).imag / area
@@ -101,14 +101,14 @@ def _far_from_zero(
 ) -> Scalar:
     """Return whether |f|, or |q0| beside the other terms, is too large to vanish on the box."""
     (at, by_omega, by_theta), (h, t) = linear, halves
-    rest, _ = _rest(sizes, h, t)
+    rest, _ = remainders(sizes, h, t)
     far = abs(at) > abs(by_omega) * h + abs(by_theta) * t + rest + rounding
     first, *others = sizes
     off_first = _at_most([0.0, *first[1:]], h)
     return far | (first[0] - off_first - rounding > sum(_at_most(s, h) for s in others))
 
 
-def _rest(sizes: list[list[Scalar]], h: Scalar, t: Scalar) -> tuple[Scalar, Scalar]:
+def remainders(sizes: list[list[Scalar]], h: Scalar, t: Scalar) -> tuple[Scalar, Scalar]:
     """Return ρ, and a bound of h |Δ of ∂f/∂ω| + t |Δ of ∂f/∂θ| on the box."""
     rest: Scalar = 0.0
     of_slopes: Scalar = 0.0

@@ -18,6 +18,8 @@ KINDS = (
     "proportional",  # D = 0
     "derivative",  # P = 0
     "undamped",  # B = 0
+    "one ratio",  # B = 0, D a multiple of P: all roots z have the same or opposite angles
+    "modal",  # P and D multiples of C or of A, B = 0: the modes stay apart
 )
 
 
@@ -67,7 +69,7 @@ def random_persons(
     springs += np.einsum("mi,mj,mp->ijp", TWO_JOINT_ARMS, TWO_JOINT_ARMS, muscle)
     damping = _symmetric(10.0 ** rng.uniform(0.0, 1.8, (3, size)))
     kind = np.resize(np.array(kinds), size)
-    damping[..., kind == "undamped"] = 0.0
+    damping[..., np.isin(kind, ("undamped", "one ratio", "modal"))] = 0.0
     proportional = _gains(rng, kind, loads, np.array([1.5, 0.5, 1.0]), 0.3)
     derivative = _gains(rng, kind, loads, np.array([0.5, 0.1, 0.2]), 0.1)
     one = kind == "one channel"
@@ -79,9 +81,16 @@ def random_persons(
         gains[..., one] = to_joint[:, None] * gains[0][:, one][None]
     proportional[..., kind == "derivative"] = 0.0
     derivative[..., kind == "proportional"] = 0.0
+    stiffness = springs - gravity
+    ratio, of_one = rng.uniform(0.02, 0.5, size), kind == "one ratio"
+    derivative[..., of_one] = (ratio * proportional)[..., of_one]
+    modal, by_inertia = kind == "modal", rng.random(size) < 0.5
+    shape = np.where(by_inertia, inertia * rng.uniform(5.0, 60.0, size), gravity)
+    proportional[..., modal] = (rng.uniform(0.7, 2.0, size) * shape)[..., modal]
+    derivative[..., modal] = (ratio * rng.uniform(0.3, 2.0, size) * shape)[..., modal]
     rigid = np.array(PATTERNS[1:]).T[:, rng.integers(len(PATTERNS) - 1, size=size)]
     rigid = rigid & (rng.random(size) < rigid_share)
-    numbers = np.stack([inertia, damping, springs - gravity, proportional, derivative])
+    numbers = np.stack([inertia, damping, stiffness, proportional, derivative])
     return Persons(numbers, rigid, kind)
 
 

@@ -51,6 +51,8 @@ def is_stable(
     ------
     InputError
         if anything is out of range or of another shape.
+    ArithmeticError
+        if rounding leaves it open, which no person at random has.
     """
     checked_person(body, stiffness, gravity)
     matrix, fed_back = checked_damping(damping), checked_feedback(feedback)
@@ -165,7 +167,14 @@ def _of(
 def _table(
     body: Body, stiffness: Stiffness, gravity: Scalar, damping: Any, feedback: Feedback
 ) -> Crossings:
-    return all_crossings(*_numbers(body, stiffness, gravity, damping, feedback))
+    table = all_crossings(*_numbers(body, stiffness, gravity, damping, feedback))
+    # a root at 0, at every delay, is known not to stand whatever else rounding leaves open
+    if table.uncertain[0] and not table.neutral[0]:
+        raise ArithmeticError(
+            "rounding leaves open which roots cross the imaginary axis; two may cross at once, or "
+            "touch it: change a gain by a millionth"
+        )
+    return table
 
 
 def _numbers(

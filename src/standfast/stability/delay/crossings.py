@@ -5,6 +5,7 @@
 2. Cells of x = ω² from 0 to the bound are classified (:func:`.resultant.roots_on_cell`): proven
    empty, proven to hold one crossing, or split. Some 15 cells a person settle all.
 3. Each crossing is narrowed down and polished to ω, θ and its direction.
+4. Whom that leaves open has them isolated in boxes of ω and θ (:mod:`.boxes`).
 
 The functions of each step are those of :mod:`.problem`. Arrays have the persons last.
 """
@@ -12,6 +13,7 @@ The functions of each step are those of :mod:`.problem`. Arrays have the persons
 import numpy as np
 
 from standfast.numerics.polynomials import all_roots
+from standfast.stability.delay.boxes import isolated_in_boxes
 from standfast.stability.delay.characteristic import undelayed
 from standfast.stability.delay.problem import (
     NOISE,
@@ -72,9 +74,10 @@ def crossings_of(
         person, frequency, angle, direction = _in_closed_form(problem, numbers, apply)
         return Crossings(*known, person, frequency, angle, direction)
     persons = np.flatnonzero(_asked(of, unstable, neutral) | uncertain)
-    person, low, high = _isolated(problem, coefficients, bound, persons, uncertain, apply)
-    frequency, angle, direction, lost = _located(problem, coefficients[:, person], low, high, apply)
-    uncertain[person[lost]] = True
+    person, (frequency, angle, direction, _), left = _found(
+        problem, coefficients, bound, persons, apply
+    )
+    uncertain |= left
     # roots on the axis without delay leave it at once, to the right or to the left
     at_once = on_axis[person] & ((angle < AT_ONCE) | (angle > TURN - AT_ONCE))
     angle = np.where(at_once, np.where(direction > 0.0, 0.0, TURN), angle)
@@ -90,6 +93,31 @@ def _asked(of: Whom, unstable: np.ndarray, neutral: np.ndarray) -> np.ndarray:
         "everybody": everybody,
     }[of]
     return asked
+
+
+def _found(
+    problem: Problem,
+    coefficients: np.ndarray,
+    bound: np.ndarray,
+    persons: np.ndarray,
+    apply: Apply,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return whose and the rows ω, θ, direction, correction of crossings; and who stays open."""
+    left = np.zeros(bound.size, bool)
+    person, low, high = _isolated(problem, coefficients, bound, persons, left, apply)
+    found, lost = _located(problem, coefficients[:, person], low, high, apply)
+    left[person[lost]] = True
+    if not left.any():
+        return person, found, left
+    who = np.flatnonzero(left)
+    again, others, open_ = isolated_in_boxes(
+        problem, coefficients[:, who], np.sqrt(bound[who]), apply
+    )
+    open_[again[~(others[3] < SETTLED) | (others[2] == 0.0)]] = True
+    sure = ~left[person]
+    left[who] = open_
+    person = np.concatenate([person[sure], who[again]])
+    return person, np.concatenate([found[:, sure], others], axis=1), left
 
 
 def _without_feedback(stiffness: np.ndarray) -> Crossings:
@@ -185,8 +213,8 @@ def _located(
     low: np.ndarray,
     high: np.ndarray,
     apply: Apply,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return ω, θ and direction of the crossing in each cell, and whether it was not found.
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return ω, θ, direction and last correction in each cell, and whether it was not found.
 
     A cell holds one, so what Newton's method comes to within it is that one: it starts once the
     resultant is small, and again from a narrow bracket where that was too early.
@@ -206,7 +234,7 @@ def _located(
         lost = ~(correction < SETTLED) | ~inside | (direction == 0.0)
         state = state[:, lost[active]]
         active = np.flatnonzero(lost)
-    return found[0], found[1], found[2], lost
+    return found, lost
 
 
 def _narrowed(

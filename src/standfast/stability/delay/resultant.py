@@ -91,8 +91,15 @@ def crossing_at(quasi: Sequence[Polynomial], x: Scalar) -> tuple[Scalar, Scalar,
     xp = namespace(x, *(c for q in quasi for c in q))
     omega = xp.sqrt(x)
     start = _root_on_circle([value_at(q, 1j * omega) for q in quasi])
-    size = abs(start)
-    z = Complex(start.real / size, start.imag / size)
+    return refined(quasi, omega, -xp.angle(start))
+
+
+def refined(
+    quasi: Sequence[Polynomial], omega: Scalar, theta: Scalar
+) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+    """Return ω, θ, the direction and the last correction of the crossing near ω and θ."""
+    xp = namespace(omega, theta, *(c for q in quasi for c in q))
+    z = Complex(xp.cos(theta), -xp.sin(theta))
     correction: Scalar = 0.0
     for _ in range(POLISHING_STEPS):
         at, by_s, by_z = _slopes_on_axis(quasi, omega, z)

@@ -362,7 +362,7 @@ def test_bins_of_either_sign_hold_what_lies_between_their_edges():
     ("feedback.delay", -0.1, "feedback comes after what it senses, write 0.1"),
     ("feedback.delay", law("fixed", "mgh", value=0.1), "feedback.delay.relative_to = 'mgh' is not"),
     ("feedback.delay", "late", "feedback.delay = 'late' is not a law; write [feedback.delay]"),
-    ("feedback.delay", {"law": "young"}, "feedback.delay.law = 'young' is not known"),
+    ("feedback.delay", {"law": "yuong"}, "feedback.delay.law = 'yuong' is not known; did you mean"),
     ("feedback.proportional.ankle", -400, "a gain acts against the rotation, so a negative one "
      "topples"),
     ("feedback.proportional.ankle", law("normal", "mgh", mean=900, sd=90),

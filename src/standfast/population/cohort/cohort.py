@@ -5,13 +5,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from standfast.population.cohort.persons import CohortModel
+from standfast.population.people.builtin import AGE_CLASSES
 from standfast.population.people.records import SEXES, People
 from standfast.population.people.sampling import Sampler
 from standfast.population.people.sobol import aligned
 from standfast.population.people.study import PopulationStudy
 
-# Age classes of people of a file, as NHANES groups adults.
-AGE_CLASSES = ((0.0, "under 20"), (20.0, "20-39"), (40.0, "40-59"), (60.0, "60+"))
 GUIDE_CELLS = 64  # of the table by which a row is found from a uniform number, for each row
 
 

@@ -61,6 +61,8 @@ SOURCES = {
 # The groups that a population without a named age is put together from.
 PARTITION = {"nhanes-2017-2018": ("20-39", "40-59", "60+"), "ansur-2012": ("17-58",)}
 
+# Age classes of people of a file, as NHANES groups adults.
+AGE_CLASSES = ((0.0, "under 20"), (20.0, "20-39"), (40.0, "40-59"), (60.0, "60+"))
 
 # How shank and thigh scatter between people, relative to their mean share of stature: standard
 # deviations and correlation. ANSUR II: lateral femoral epicondyle less malleolus height,

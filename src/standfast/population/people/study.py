@@ -126,7 +126,8 @@ class PopulationStudy:
         """Read a study back from its canonical JSON, or refuse; its people are not looked for."""
         study = cls({}, ())
         try:
-            study = cls(json.loads(text), ())
+            content = json.loads(text)
+            study = cls({k: v if k == "title" else from_json(v) for k, v in content.items()}, ())
             study._check()
         except Exception:  # whatever else may be in the place of a study
             raise InputError("the study inside the file cannot be read") from None

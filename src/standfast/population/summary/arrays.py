@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 
 from standfast.parameters import JOINTS
-from standfast.population.cohort.cohort import AGE_CLASSES
 from standfast.population.cohort.histograms import BMI_EDGES, HEIGHT_EDGES
 from standfast.population.cohort.persons import kept_of
-from standfast.population.people.builtin import ANSUR, NHANES
+from standfast.population.people.builtin import AGE_CLASSES, ANSUR, NHANES
 from standfast.population.people.records import SEXES
 from standfast.population.people.study import PopulationStudy
 from standfast.quantities import QUANTITIES

@@ -146,7 +146,8 @@ def test_batches_do_not_change_a_person(people, table):
 def test_all_kinds_are_there_with_stable_and_falling(people, table, kind):
     critical = table.critical_delay()[people.kind == kind]
     assert (critical > 0.0).mean() > 0.1
-    assert (critical == 0.0).mean() > 0.1
+    # with P a multiple of G nearly all stand without delay
+    assert (critical == 0.0).mean() > 0.02
 
 
 @pytest.mark.parametrize("damped", [False, True])

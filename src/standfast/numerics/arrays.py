@@ -5,6 +5,7 @@ to (the ``__array_namespace__`` of the array API standard). On plain numbers it 
 once and always in float64; inside ``jit`` and ``vmap`` the same lines are traced by JAX.
 """
 
+import math
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -15,6 +16,7 @@ Vector: TypeAlias = tuple[Scalar, Scalar, Scalar]
 Matrix: TypeAlias = tuple[Vector, Vector, Vector]
 
 ROUNDOFF = 2.0**-53  # unit roundoff of float64
+TURN = 2.0 * math.pi  # rad
 
 
 def namespace(*values: Any) -> Any:

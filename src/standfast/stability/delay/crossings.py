@@ -12,6 +12,7 @@ The functions of each step are those of :mod:`.problem`. Arrays have the persons
 
 import numpy as np
 
+from standfast.numerics.arrays import TURN
 from standfast.numerics.polynomials import all_roots
 from standfast.stability.delay.boxes import isolated_in_boxes
 from standfast.stability.delay.characteristic import undelayed
@@ -28,7 +29,7 @@ from standfast.stability.delay.problem import (
     polished,
     prepared,
 )
-from standfast.stability.delay.table import TURN, Crossings
+from standfast.stability.delay.table import Crossings
 
 # The first cells end at these parts of the bound; each is eight times as wide as the one below.
 FIRST_CELLS = (0.0, 8.0**-3, 8.0**-2, 8.0**-1, 1.0)

@@ -11,14 +11,11 @@ of whose roots the larger passes to the right as the delay grows and the smaller
 notation: J inertia, B damping, C stiffness less gravity, P and D gains, τ delay (s).
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
-from standfast.numerics.arrays import Scalar, namespace
-
-TURN = 2.0 * math.pi
+from standfast.numerics.arrays import TURN, Scalar, namespace
 
 
 class OneJoint(NamedTuple):

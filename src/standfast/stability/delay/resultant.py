@@ -16,14 +16,11 @@ The same lines make R of numbers, at a point, and of polynomials on a cell: both
 notation: n free joints, m rank of the feedback (:mod:`.characteristic`).
 """
 
-import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeAlias
 
-from standfast.numerics.arrays import Scalar, namespace
+from standfast.numerics.arrays import TURN, Scalar, namespace
 from standfast.numerics.polynomials import OnCell, Polynomial, value_at
-
-TURN = 2.0 * math.pi
 
 Real: TypeAlias = Any  # a number, or a polynomial on a cell
 

@@ -13,13 +13,13 @@ notation: A inertia, B damping, C stiffness less gravity, P and D gains, τ dela
 
 import numpy as np
 
-from standfast.numerics.arrays import Array, Scalar, namespace
+from standfast.numerics.arrays import TURN, Array, Scalar, namespace
 from standfast.numerics.polynomials import all_roots
 from standfast.stability.delay.characteristic import undelayed
 from standfast.stability.delay.crossings import crossings_of
 from standfast.stability.delay.problem import Apply, Problem, directly, prepared
 from standfast.stability.delay.resultant import slopes
-from standfast.stability.delay.table import TURN, Crossings
+from standfast.stability.delay.table import Crossings
 
 NEWTON_STEPS = 6  # in one call
 MOST_CALLS = 3

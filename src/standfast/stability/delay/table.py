@@ -5,13 +5,13 @@ comparison with a few numbers, and the delays of a study cost next to nothing on
 there.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-TURN = 2.0 * math.pi
+from standfast.numerics.arrays import TURN
+
 CROSSING = 1.0 + 1e-12  # ratio of delays that a crossing's rounding does not tell apart
 
 

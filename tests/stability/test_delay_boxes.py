@@ -66,7 +66,8 @@ def prepared(kind, count):
     """Coefficients and bounds of persons of three free joints, and their known crossings."""
     people = random_persons(np.random.default_rng(SEED), count, (kind,), rigid_share=0.0)
     problem = Problem(3, 3)
-    coefficients, _, _, bound = directly(problems.prepared, problem, people.numbers)
+    coefficients = directly(problems.prepared, problem, people.numbers)
+    bound = directly(problems.highest, problem, people.numbers)
     known = []
     for person in range(count):
         matrices = people.matrices(person)

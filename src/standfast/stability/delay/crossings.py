@@ -10,6 +10,8 @@
 The functions of each step are those of :mod:`.problem`. Arrays have the persons last.
 """
 
+from itertools import pairwise
+
 import numpy as np
 
 from standfast.numerics.arrays import TURN
@@ -21,13 +23,16 @@ from standfast.stability.delay.problem import (
     Apply,
     Problem,
     Whom,
+    bracketed,
     classified,
     directly,
-    evaluated,
+    examined,
+    highest,
     narrowed,
     of_one_joint,
     polished,
     prepared,
+    sought,
 )
 from standfast.stability.delay.table import Crossings
 
@@ -40,7 +45,7 @@ NARROWEST = 1e-10  # relative width at which a cell is given up
 # Open cells of one person at once; where R is lost in rounding they double with every split.
 MOST_OPEN = 32
 LOWEST = 1e-12  # of x, part of the bound below which no crossing is looked for
-FIRST_NARROWINGS, MOST_NARROWINGS = 3, 30  # calls, before Newton's method starts
+NARROWINGS = 15  # calls at most, before Newton's method starts again
 NARROW = 1e-8  # relative width from which polishing goes on
 ROUNDED_UP = 1.0 + 1e-12
 AT_ONCE = 1e-9  # rad of a turn, of roots that lie on the axis without delay
@@ -54,17 +59,19 @@ def crossings_of(
     numbers: np.ndarray,
     *,
     of: Whom = "everybody",
+    boxes: bool = True,
     apply: Apply = directly,
 ) -> Crossings:
     """Find all crossings of persons whose matrices are ``numbers``, (5, n, n, persons).
 
     A critical delay needs crossings ``of`` who stands at once, without delay, a verdict of who may
-    stand at any; those of others may be missing.
+    stand at any; those of others may be missing. Without ``boxes`` more persons stay uncertain.
     """
     if problem.rank == 0:
         return _without_feedback(numbers[2])
-    coefficients, unstable, left, bound = map(np.asarray, apply(prepared, problem, numbers))
-    unstable, uncertain = unstable.astype(np.int32), left.astype(bool)
+    coefficients = np.asarray(apply(prepared, problem, numbers))
+    unstable, left = apply(examined, problem, coefficients)
+    unstable, uncertain = np.array(unstable, np.int32), np.array(left, bool)
     on_axis, neutral, nobody = (np.zeros_like(uncertain) for _ in range(3))
     open_ = np.flatnonzero(uncertain)
     if open_.size:
@@ -75,8 +82,9 @@ def crossings_of(
         person, frequency, angle, direction = _in_closed_form(problem, numbers, apply)
         return Crossings(*known, person, frequency, angle, direction)
     persons = np.flatnonzero(_asked(of, unstable, neutral) | uncertain)
+    bound = np.asarray(apply(highest, problem, numbers))
     person, (frequency, angle, direction, _), left = _found(
-        problem, coefficients, bound, persons, apply
+        problem, coefficients, bound, persons, apply, boxes=boxes
     )
     uncertain |= left
     # roots on the axis without delay leave it at once, to the right or to the left
@@ -102,13 +110,18 @@ def _found(
     bound: np.ndarray,
     persons: np.ndarray,
     apply: Apply,
+    *,
+    boxes: bool,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return whose and the rows ω, θ, direction, correction of crossings; and who stays open."""
     left = np.zeros(bound.size, bool)
-    person, low, high = _isolated(problem, coefficients, bound, persons, left, apply)
-    found, lost = _located(problem, coefficients[:, person], low, high, apply)
+    search = np.asarray(apply(sought, problem, coefficients)) if problem.rank == 1 else coefficients
+    person, low, high = _isolated(problem, search, bound, persons, left, apply)
+    found, lost = _located(
+        problem, search.take(person, axis=1), coefficients.take(person, axis=1), low, high, apply
+    )
     left[person[lost]] = True
-    if not left.any():
+    if not (boxes and left.any()):
         return person, found, left
     who = np.flatnonzero(left)
     again, others, open_ = isolated_in_boxes(
@@ -178,38 +191,45 @@ def _settled(whole: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.
 
 def _isolated(
     problem: Problem,
-    coefficients: np.ndarray,
+    search: np.ndarray,
     bound: np.ndarray,
     persons: np.ndarray,
     uncertain: np.ndarray,
     apply: Apply,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return persons and ends of cells that hold one crossing each; note who stays uncertain."""
-    cells = len(FIRST_CELLS) - 1
-    person = np.tile(persons, cells)
-    low = (np.array(FIRST_CELLS[:-1])[:, None] * bound[persons]).ravel()
-    high = (np.array(FIRST_CELLS[1:])[:, None] * bound[persons]).ravel()
-    found: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
-    while person.size or not found:
-        count = np.asarray(apply(classified, problem, coefficients[:, person], low, high))
-        one, split = count == 1, count == 2
-        found.append((person[one], low[one], high[one]))
-        person, low, high = person[split], low[split], high[split]
-        narrow = ~(high - low > NARROWEST * high)  # or not a number
-        given_up = narrow | (high < LOWEST * bound[person])
-        given_up |= np.bincount(person, minlength=bound.size)[person] > MOST_OPEN
-        uncertain[person[given_up]] = True
-        person, low, high = person[~given_up], low[~given_up], high[~given_up]
+    # the first cells are of the same persons, so that their numbers are gathered once
+    own = search if persons.size == bound.size else search.take(persons, axis=1)
+    ends = np.array(FIRST_CELLS)[:, None] * bound[persons]
+    low, high = ends[:-1].ravel(), ends[1:].ravel()
+    person = np.tile(persons, len(ends) - 1)
+    count = np.concatenate([apply(classified, problem, own, *cell) for cell in pairwise(ends)])
+    found: list[list[np.ndarray]] = []
+    while True:
+        cells = (person, low, high)
+        one, split = np.flatnonzero(count == 1), np.flatnonzero(count == 2)
+        found.append([each.take(one) for each in cells])
+        person, low, high = (each.take(split) for each in cells)
+        given_up = ~(high - low > NARROWEST * high)  # or not a number
+        given_up |= high < LOWEST * bound.take(person)
+        given_up |= np.bincount(person, minlength=bound.size).take(person) > MOST_OPEN
+        if given_up.any():
+            uncertain[person[given_up]] = True
+            person, low, high = person[~given_up], low[~given_up], high[~given_up]
+        if not person.size:
+            break
         middle = np.where(low > 0.0, np.sqrt(low * high), high / 8.0)
         middle = np.where(high < WIDE * low, low + OFF_MIDDLE * (high - low), middle)
         person = np.concatenate([person, person])
         low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
+        count = apply(classified, problem, search.take(person, axis=1), low, high)
     person, low, high = (np.concatenate(each) for each in zip(*found, strict=True))
     return person, low, high
 
 
 def _located(
     problem: Problem,
+    search: np.ndarray,
     coefficients: np.ndarray,
     low: np.ndarray,
     high: np.ndarray,
@@ -220,35 +240,38 @@ def _located(
     A cell holds one, so what Newton's method comes to within it is that one: it starts once the
     resultant is small, and again from a narrow bracket where that was too early.
     """
-    f_low = np.asarray(apply(evaluated, problem, coefficients, low))
-    f_high = np.asarray(apply(evaluated, problem, coefficients, high))
-    state = np.stack([high, f_high, low, f_low, low, f_low])
-    found = np.full((4, low.size), np.nan)
-    active = np.arange(low.size)
-    for calls in (FIRST_NARROWINGS, MOST_NARROWINGS):
-        own = coefficients if active.size == low.size else coefficients[:, active]
-        state = _narrowed(problem, own, state, calls, apply)
-        x = np.where(abs(state[1]) < abs(state[3]), state[0], state[2])
-        found[:, active] = np.asarray(apply(polished, problem, own, x))
-        frequency, _, direction, correction = found
-        inside = (low <= frequency**2 * ROUNDED_UP) & (frequency**2 <= high * ROUNDED_UP)
-        lost = ~(correction < SETTLED) | ~inside | (direction == 0.0)
-        state = state[:, lost[active]]
-        active = np.flatnonzero(lost)
+    state = np.asarray(apply(bracketed, problem, search, low, high))
+    found = np.array(apply(polished, problem, coefficients, _nearer(state)))
+    lost = _is_lost(found, low, high)
+    again = np.flatnonzero(lost)
+    if again.size:
+        state = _narrowed(problem, search[:, again], state[:, again], apply)
+        found[:, again] = apply(polished, problem, coefficients[:, again], _nearer(state))
+        lost[again] = _is_lost(found[:, again], low[again], high[again])
     return found, lost
 
 
-def _narrowed(
-    problem: Problem, coefficients: np.ndarray, state: np.ndarray, calls: int, apply: Apply
-) -> np.ndarray:
+def _nearer(state: np.ndarray) -> np.ndarray:
+    """Return the end of each bracket where the resultant is smaller."""
+    nearer: np.ndarray = np.where(abs(state[1]) < abs(state[3]), state[0], state[2])
+    return nearer
+
+
+def _is_lost(found: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Return which crossings Newton's method did not come to, or which lie in another cell."""
+    frequency, _, direction, correction = found
+    inside = (low <= frequency**2 * ROUNDED_UP) & (frequency**2 <= high * ROUNDED_UP)
+    lost: np.ndarray = ~(correction < SETTLED) | ~inside | (direction == 0.0)
+    return lost
+
+
+def _narrowed(problem: Problem, search: np.ndarray, state: np.ndarray, apply: Apply) -> np.ndarray:
     """Return brackets after some calls of :func:`narrowed`; what is narrow stays as it is."""
-    state = state.copy()
     active = np.arange(state.shape[1])
-    for _ in range(calls):
+    for _ in range(NARROWINGS):
         if not active.size:
             break
-        own = coefficients if active.size == state.shape[1] else coefficients[:, active]
-        state[:, active] = np.asarray(apply(narrowed, problem, own, state[:, active]))
+        state[:, active] = apply(narrowed, problem, search[:, active], state[:, active])
         size = np.abs(state[0, active] - state[2, active])
         wide = (size > NARROW * state[0, active]) & (np.abs(state[1, active]) > NOISE)
         active = active[wide]

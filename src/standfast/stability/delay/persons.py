@@ -6,18 +6,15 @@ person goes to its own.
 """
 
 from collections.abc import Iterator
-from itertools import combinations, permutations
+from itertools import permutations
 
 import numpy as np
 
-from standfast.numerics.arrays import ROUNDOFF
 from standfast.stability.delay.crossings import crossings_of
+from standfast.stability.delay.one_channel import is_one_channel
 from standfast.stability.delay.problem import Apply, Problem, Whom, directly
 from standfast.stability.delay.rightmost import rightmost_roots
 from standfast.stability.delay.table import Crossings
-
-# Roundings of a minor of two by two whose terms cancel, in units of the larger term.
-CANCELS = 8.0 * ROUNDOFF
 
 
 def all_crossings(
@@ -36,7 +33,7 @@ def all_crossings(
     unstable = np.zeros(persons, np.int32)
     marks = np.zeros((4, persons), bool)
     tables = []
-    for problem, who, reduced in _problems(numbers, rigid):
+    for problem, who, reduced in _problems(numbers, rigid, apply):
         found = crossings_of(problem, reduced, of=of, apply=apply)
         unstable[who] = found.unstable
         marks[:, who] = found.on_axis, found.neutral, found.uncertain, found.by_springs
@@ -55,33 +52,56 @@ def all_rightmost(
     """
     root = np.full(delay.size, -np.inf, complex)
     proven = np.ones(delay.size, bool)
-    for problem, who, reduced in _problems(numbers, rigid):
+    for problem, who, reduced in _problems(numbers, rigid, apply):
         root[who], proven[who] = rightmost_roots(problem, reduced, delay[who], apply=apply)
     return root, proven
 
 
 def _problems(
-    numbers: np.ndarray, rigid: np.ndarray
+    numbers: np.ndarray, rigid: np.ndarray, apply: Apply
 ) -> Iterator[tuple[Problem, np.ndarray, np.ndarray]]:
     """Give each problem, who has it, and their matrices of the free joints."""
+    members: dict[Problem, list[tuple[tuple[int, ...], np.ndarray]]] = {}
+    for free, rank, who in _kinds(numbers, rigid):
+        channels = {rank: who}
+        if rank > 1:
+            gains = _of_joints(numbers[3:], free, who)
+            one = np.asarray(apply(is_one_channel, Problem(len(free), rank), gains), bool)
+            channels = {rank: who[~one], 1: who[one]}
+        for count, chosen in channels.items():
+            if chosen.size:
+                members.setdefault(Problem(len(free), count), []).append((free, chosen))
+    for problem, parts in members.items():
+        # one batch, whichever joints are free
+        reduced = [_of_joints(numbers, free, who) for free, who in parts]
+        yield problem, np.concatenate([who for _, who in parts]), np.concatenate(reduced, axis=-1)
+
+
+def _kinds(
+    numbers: np.ndarray, rigid: np.ndarray
+) -> Iterator[tuple[tuple[int, ...], int, np.ndarray]]:
+    """Give the free joints and the largest rank of gains that are 0 at the same places; and whose.
+
+    Persons without a free joint are left out.
+    """
     active = (numbers[3] != 0.0) | (numbers[4] != 0.0)
     active &= ~rigid[:, None] & ~rigid[None, :]
-    bits = np.concatenate([rigid, active.reshape(9, -1)])
-    kinds, kind_of = np.unique(2 ** np.arange(12) @ bits, return_inverse=True)
-    by_problem: dict[tuple[tuple[int, ...], int], list[np.ndarray]] = {}
-    for number in range(kinds.size):
-        who = np.flatnonzero(kind_of == number)
-        free = tuple(int(j) for j in np.flatnonzero(~rigid[:, who[0]]))
+    kind = np.zeros(rigid.shape[1], np.int16)
+    for bit, marked in enumerate((*rigid, *active.reshape(9, -1))):
+        kind |= marked.astype(np.int16) << bit
+    for number in np.flatnonzero(np.bincount(kind)):
+        who = np.flatnonzero(kind == number)
+        free = tuple(int(joint) for joint in np.flatnonzero(~rigid[:, who[0]]))
         if free:
-            rank = _structural_rank(active[:, :, who[0]])
-            by_problem.setdefault((free, rank), []).append(who)
-    for (free, rank), members in by_problem.items():
-        who = np.concatenate(members)
-        reduced = numbers[:, free][:, :, free][..., who]
-        one = _is_one_channel(reduced[3:]) if rank > 1 else np.zeros(who.size, bool)
-        for channels, chosen in ((rank, ~one), (1, one)):
-            if chosen.any():
-                yield Problem(len(free), channels), who[chosen], reduced[..., chosen]
+            yield free, _structural_rank(active[:, :, who[0]]), who
+
+
+def _of_joints(matrices: np.ndarray, free: tuple[int, ...], who: np.ndarray) -> np.ndarray:
+    """Return the matrices of the free joints of some persons."""
+    if len(free) < len(matrices[0]):
+        matrices = matrices[:, free][:, :, free]
+    flat = matrices.reshape(-1, matrices.shape[-1])
+    return np.take(flat, who, axis=1).reshape(*matrices.shape[:-1], who.size)
 
 
 def _structural_rank(active: np.ndarray) -> int:
@@ -90,20 +110,3 @@ def _structural_rank(active: np.ndarray) -> int:
         sum(bool(active[row, column]) for row, column in enumerate(order))
         for order in permutations(range(3))
     )
-
-
-def _is_one_channel(gains: np.ndarray) -> np.ndarray:
-    """Return where P + D s is b (p + d s)ᵀ or (b + d s) pᵀ: minors of [P D] or [P; D] vanish."""
-    one = []
-    for wide in (np.concatenate([*gains], axis=1), np.concatenate([*gains.swapaxes(1, 2)], axis=1)):
-        vanish = np.ones(gains.shape[-1], bool)
-        for (a, b), (i, j) in (
-            (rows, columns)
-            for rows in combinations(range(wide.shape[0]), 2)
-            for columns in combinations(range(wide.shape[1]), 2)
-        ):
-            first, second = wide[a, i] * wide[b, j], wide[a, j] * wide[b, i]
-            larger = np.maximum(abs(first), abs(second))
-            vanish &= abs(first - second) <= CANCELS * larger
-        one.append(vanish)
-    return one[0] | one[1]

@@ -11,6 +11,7 @@ import numpy as np
 
 from standfast.numerics.arrays import Array, Scalar, namespace
 from standfast.numerics.polynomials import Polynomial
+from standfast.stability.delay import one_channel, resultant
 from standfast.stability.delay.characteristic import (
     Matrices,
     highest_crossing,
@@ -19,9 +20,9 @@ from standfast.stability.delay.characteristic import (
     undelayed,
 )
 from standfast.stability.delay.one_joint import OneJoint, crossings
-from standfast.stability.delay.resultant import crossing_at, resultant_at, roots_on_cell
 
-NARROWING_STEPS = 2  # of Chandrupatla's method in one call
+# Steps of Chandrupatla's method: before Newton's first, and in each call where that was too early.
+FIRST_STEPS, STEPS = 6, 4
 NOISE = 1e-13  # of the scaled resultant
 
 
@@ -54,42 +55,79 @@ def directly(function: Callable[..., Any], problem: Problem, *arrays: np.ndarray
         return function(problem, *arrays)
 
 
-def prepared(problem: Problem, numbers: Array) -> tuple[Array, Array, Array, Array]:
-    """Return coefficients, unstable roots without delay, whether they are uncertain, and ω²max.
+def prepared(problem: Problem, numbers: Array) -> Array:
+    """Return the coefficients of q0 … qm, (all of them, persons).
 
     ``numbers`` are the matrices of :class:`Matrices`, (5, n, n, persons).
     """
+    quasi = quasi_polynomial(_matrices(problem, numbers), problem.rank)
+    rows = [c for q in quasi for c in q]
+    return namespace(*rows).stack(rows)
+
+
+def highest(problem: Problem, numbers: Array) -> Scalar:
+    """Return ω² above which nothing crosses."""
+    return highest_crossing(_matrices(problem, numbers)) ** 2
+
+
+def examined(problem: Problem, coefficients: Array) -> tuple[Array, Array]:
+    """Return how many roots are unstable without delay, and whether that is uncertain."""
+    return right_of_axis(undelayed(problem.quasi(coefficients)))
+
+
+def sought(problem: Problem, coefficients: Array) -> Array:
+    """Return the rows in which crossings are looked for: of one channel R and S, else all."""
+    if problem.rank > 1:
+        return coefficients
+    rows = one_channel.search_of(problem.quasi(coefficients))
+    return namespace(*rows).stack(rows)
+
+
+def _matrices(problem: Problem, numbers: Array) -> Matrices:
     n = problem.joints
-    rows = [[[numbers[k][i][j] for j in range(n)] for i in range(n)] for k in range(5)]
-    matrices = Matrices(*rows)
-    quasi = quasi_polynomial(matrices, problem.rank)
-    unstable, uncertain = right_of_axis(undelayed(quasi))
-    bound = highest_crossing(matrices)
-    xp = namespace(bound)
-    return xp.stack([c for q in quasi for c in q]), unstable, uncertain, bound**2
+    return Matrices(*([[numbers[k][i][j] for j in range(n)] for i in range(n)] for k in range(5)))
 
 
-def classified(problem: Problem, coefficients: Array, low: Scalar, high: Scalar) -> Scalar:
+def classified(problem: Problem, search: Array, low: Scalar, high: Scalar) -> Scalar:
     """Return how many crossings lie in a cell of ω²: 0, 1, or 2 where it must be split."""
-    return roots_on_cell(problem.quasi(coefficients), low, high)
+    if problem.rank == 1:
+        return one_channel.roots_on_cell(search, low, high)
+    return resultant.roots_on_cell(problem.quasi(search), low, high)
 
 
-def evaluated(problem: Problem, coefficients: Array, x: Scalar) -> Scalar:
+def evaluated(problem: Problem, search: Array, x: Scalar) -> Scalar:
     """Return the scaled resultant at x = ω²."""
-    return resultant_at(problem.quasi(coefficients), x)
+    if problem.rank == 1:
+        return one_channel.resultant_at(search, x)
+    return resultant.resultant_at(problem.quasi(search), x)
 
 
-def narrowed(problem: Problem, coefficients: Array, state: Array) -> Array:
+def bracketed(problem: Problem, search: Array, low: Scalar, high: Scalar) -> Array:
+    """Return a bracket, as of :func:`narrowed`, of the crossing in a cell that holds one."""
+    f_low, f_high = evaluated(problem, search, low), evaluated(problem, search, high)
+    found = _narrower(problem, search, (high, f_high, low, f_low, low, f_low), FIRST_STEPS)
+    return namespace(*found).stack(found)
+
+
+def narrowed(problem: Problem, search: Array, state: Array) -> Array:
     """Return a bracket of a root after some steps of Chandrupatla's method.
 
     ``state`` has the rows x1, f1 (the newest), x2, f2 (of the other sign), x3, f3 (the one before).
-    Chandrupatla, Adv. Eng. Softw. 28 (1997) 145-149: inverse quadratic interpolation where that is
-    safe, else bisection.
     """
-    quasi = problem.quasi(coefficients)
-    x1, f1, x2, f2, x3, f3 = (state[row] for row in range(6))
+    found = _narrower(problem, search, tuple(state[row] for row in range(6)), STEPS)
+    return namespace(*found).stack(found)
+
+
+def _narrower(
+    problem: Problem, search: Array, state: tuple[Scalar, ...], steps: int
+) -> tuple[Scalar, ...]:
+    """Narrow a bracket by inverse quadratic interpolation where that is safe, else bisection.
+
+    Chandrupatla, Adv. Eng. Softw. 28 (1997) 145-149.
+    """
+    x1, f1, x2, f2, x3, f3 = state
     xp = namespace(x1)
-    for _ in range(NARROWING_STEPS):
+    for _ in range(steps):
         xi, phi = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
         safe = (phi**2 < xi) & ((1.0 - phi) ** 2 < 1.0 - xi)
         t = f1 / (f2 - f1) * f3 / (f2 - f3)
@@ -98,7 +136,7 @@ def narrowed(problem: Problem, coefficients: Array, state: Array) -> Array:
         least = 2.0**-53 * xp.maximum(abs(x1), abs(x2)) / abs(x2 - x1)
         t = xp.clip(t, least, 1.0 - least)
         x = x1 + t * (x2 - x1)
-        f = resultant_at(quasi, x)
+        f = evaluated(problem, search, x)
         # in rounding's reach a compiler may find two signs of one number
         done = abs(f1) < NOISE
         same = (f > 0.0) == (f1 > 0.0)
@@ -107,13 +145,13 @@ def narrowed(problem: Problem, coefficients: Array, state: Array) -> Array:
         x3, f3 = xp.where(done, x3, older), xp.where(done, f3, f_older)
         x2, f2 = xp.where(done, x2, other), xp.where(done, f2, f_other)
         x1, f1 = xp.where(done, x1, x), xp.where(done, f1, f)
-    return xp.stack([x1, f1, x2, f2, x3, f3])
+    return x1, f1, x2, f2, x3, f3
 
 
 def polished(problem: Problem, coefficients: Array, x: Scalar) -> Array:
     """Return ω, θ, direction and last correction of crossings, (4, …)."""
-    found = crossing_at(problem.quasi(coefficients), x)
-    return namespace(x).stack(found)
+    way = one_channel if problem.rank == 1 else resultant
+    return namespace(x).stack(way.crossing_at(problem.quasi(coefficients), x))
 
 
 def of_one_joint(problem: Problem, numbers: Array) -> Array:

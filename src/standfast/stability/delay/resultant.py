@@ -2,11 +2,10 @@
 
 R changes sign at ω where a root z passes the unit circle, that is at the crossings of all delays.
 With x = ω² every polynomial on the imaginary axis is a(x) + iω b(x), and R a real polynomial in x
-of degree 2n (m = 1), 4n (m = 2) or 6n (m = 3). Its coefficients would lose all digits, so it is put
-together from the qk on each cell of x, where signs of Bernstein's coefficients prove what roots
-there are.
+of degree 4n (m = 2) or 6n (m = 3); for m = 1 see :mod:`.one_channel`. Its coefficients would lose
+all digits, so it is put together from the qk on each cell of x, where signs of Bernstein's
+coefficients prove what roots there are.
 
-    m = 1: R = |q0|² − |q1|²                    z = −q0/q1
     m = 2: R = h² − |u|²                        z = −h/u,   h = |q0|² − |q2|², u = q̄0 q1 − q2 q̄1
     m = 3: R = h² g − 2 h |u|² + 2 Re(ū² w) − g |w|²        h + u z + w z² = 0
            h = |q0|² − |q3|², g = h + |q1|² − |q2|², u = q̄0 q1 − q3 q̄2, w = q̄0 q2 − q3 q̄1
@@ -44,8 +43,6 @@ class OnAxis(NamedTuple):
 
 def resultant(quasi: Sequence[OnAxis], x: Real) -> Real:
     """Return R of q0 … qm on the imaginary axis."""
-    if len(quasi) == 2:
-        return _square(quasi[0], x) - _square(quasi[1], x)
     h, u, *w = _reduced(quasi, x)
     if not w:
         return h * h - _square(u, x)
@@ -156,8 +153,6 @@ def _root_on_circle(q: Sequence[Scalar]) -> Scalar:
     Of the two roots of the quadratic that is left for m = 3 it is the one, scaled to the circle, at
     which Δ is smaller: the other may lie near the circle too.
     """
-    if len(q) == 2:
-        return -q[0] / q[1]
     h = abs(q[0]) ** 2 - abs(q[-1]) ** 2
     u = q[0].conj() * q[1] - q[-1] * q[-2].conj()
     if len(q) == 3:

@@ -17,7 +17,7 @@ from standfast.numerics.arrays import TURN, Array, Scalar, namespace
 from standfast.numerics.polynomials import all_roots
 from standfast.stability.delay.characteristic import undelayed
 from standfast.stability.delay.crossings import crossings_of
-from standfast.stability.delay.problem import Apply, Problem, directly, prepared
+from standfast.stability.delay.problem import Apply, Problem, directly, highest, prepared
 from standfast.stability.delay.resultant import slopes
 from standfast.stability.delay.table import Crossings
 
@@ -55,13 +55,14 @@ def rightmost_roots(
     problem: Problem, numbers: np.ndarray, delay: np.ndarray, *, apply: Apply = directly
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return each person's rightmost root (1/s), imaginary part ≥ 0, and whether it is proven."""
-    coefficients, _, _, bound = map(np.asarray, apply(prepared, problem, numbers))
+    coefficients = np.asarray(apply(prepared, problem, numbers))
+    bound = np.asarray(apply(highest, problem, numbers))
     search = _Search(problem, numbers, delay, coefficients, np.sqrt(bound), apply)
     everyone = np.arange(delay.size)
     if problem.rank == 0:  # the roots of a polynomial are all there are
         search.try_limits(everyone)
         return search.root, np.isfinite(search.root)
-    table = crossings_of(problem, numbers, apply=apply)
+    table = crossings_of(problem, numbers, boxes=False, apply=apply)
     unstable = table.unstable_each(delay)
     search.high[(unstable == 0) & ~table.uncertain] = 0.0
     search.try_from(everyone, table, np.zeros(delay.size))
@@ -104,9 +105,12 @@ class _Search:
         middle = 0.5 * (low + high)
         line = np.where(beside, root.real + allowed, np.where(stepped < middle, stepped, middle))
         self.step[persons[~beside]] *= 2.0
+        # Beside a root there are pairs of crossings that no box tells apart either: whom the cells
+        # leave open gets another line.
         table = crossings_of(
             self.problem,
             shifted(self.numbers[..., persons], self.delay[persons], line),
+            boxes=False,
             apply=self.apply,
         )
         count = table.unstable_each(self.delay[persons])

@@ -1,7 +1,7 @@
 """What a second worker buys, and what it costs to have a worker at all.
 
 Every timing is of a fresh process: warm workers, or a thread, bound to one core each, and a caller
-that has the same cores and no more. Run as ``python benchmarks/workers.py`` (about eight minutes).
+that has the same cores and no more. Run as ``python benchmarks/workers.py`` (about a quarter of an hour).
 """
 
 import json
@@ -24,9 +24,9 @@ from standfast.population.simulation import simulate_shards
 from standfast.study.toml import read_toml
 from standfast.version import __version__
 
-PERSONS = 3 * 10**8
-SIDE = 600  # values of an axis of numbers
-RATIO_SIDE = 400
+PERSONS = 4 * 10**8
+SIDE = 800  # values of an axis of numbers
+RATIO_SIDE = 560
 ROUNDS = 2
 PEOPLE = Path(__file__).with_name("population.toml")
 
@@ -153,11 +153,11 @@ def timed(name: str, how: str) -> dict[str, float]:
         start = time.perf_counter() - began
         began = time.perf_counter()
         if how.startswith("task"):
-            # makes the folder that says whose it is
+            # makes the folder that says whose it is, and in it the last shard
             last = study.shard_count
             compute(study, f"{folder}/a.h5", part=(last, last), **options)
             text, shards = job_text(name, study), tuple(range(taken(name)))
-            for asked in ((last - 1,), shards):  # whoever does it knows the job by the second
+            for asked in ((last - 2,), shards):  # whoever does it has compiled by the second
                 began = time.perf_counter()
                 arguments = (text, f"{folder}/a.h5", asked, 1, __version__)
                 done = pool.submit(task, *arguments).result() if workers else task(*arguments)

@@ -99,7 +99,7 @@ ALTERATIONS = {
     "filter": _put("person_height", chunks=(3000,), compression="lzf"),
     "virtual": _virtual,
     "holes": _holes,
-    "huge chunk": _put("person_mass", chunks=(10**9,), maxshape=(None,), compression=1),
+    "huge chunk": _put("person_mass", chunks=(10**7,), maxshape=(None,), compression=1),
     "axis": _value("height", np.nan),
     "share": _value("risk_by_all_multiple", 7.0),
     "no answers": lambda file: file.pop("summary"),

@@ -1,7 +1,7 @@
 """What a second worker buys, and what it costs to have a worker at all.
 
 Every timing is of a fresh process: warm workers, or a thread, bound to one core each, and a caller
-that has the same cores and no more. Run as ``python benchmarks/workers.py`` (about a quarter of an hour).
+that has the same cores and no more. Run as ``python benchmarks/workers.py`` (a quarter of an hour).
 """
 
 import json
@@ -73,8 +73,8 @@ def main() -> None:
         f"spawned workers, one thread each, {ROUNDS} rounds in turn; caller and workers share as "
         "many cores as there are workers; the folder is on the disk of temporary files",
         limitations=[
-            "All is measured after every worker has done a task of another study of the same "
-            "shape; what that takes, with Python's start, imports and compiling, is told apart.",
+            "All is measured after every worker, and the caller, has done a task of another study "
+            "of the same shape; what that takes, with imports and compiling, is told apart.",
             "With two workers the caller's assembling competes with them for two cores.",
         ],
     )
@@ -136,36 +136,46 @@ def timed(name: str, how: str) -> dict[str, float]:
     """Do a work one way, warm; this process was begun for it."""
     workers = {"thread": 0, "task here": 0, "two": 2}.get(how, 1)
     os.sched_setaffinity(0, range(max(workers, 1)))
-    make, compute, task = KINDS[name]
+    make, compute, _ = KINDS[name]
     spawn = multiprocessing.get_context("spawn")
-    turn = spawn.Value("i", 0)
-    options: dict[str, Any] = {"threads": 1}
+    turn, together = spawn.Value("i", 0), spawn.Barrier(max(workers, 1))
     with TemporaryDirectory() as folder, ProcessPoolExecutor(
-        workers or 1, mp_context=spawn, initializer=bind, initargs=(turn,)
+        workers or 1, mp_context=spawn, initializer=bind, initargs=(turn, together)
     ) as pool:  # fmt: skip
-        if workers:
-            options["executor"] = pool
-        warm, study = make(True), make(False)
+        given = pool if workers else None
         began = time.perf_counter()
-        # two shards a worker, so that none is without
-        compute(warm, f"{folder}/warm.h5", part=(1, warm.shard_count // (2 * max(workers, 1))),
-                **options)  # fmt: skip
+        # all workers begin at once, so that each gets one of the tasks
+        run_tasks(name, make(True), [f"{folder}/w{n}.h5" for n in range(workers or 1)], 2, given)
         start = time.perf_counter() - began
+        study = make(False)
         began = time.perf_counter()
         if how.startswith("task"):
-            # makes the folder that says whose it is, and in it the last shard
-            last = study.shard_count
-            compute(study, f"{folder}/a.h5", part=(last, last), **options)
-            text, shards = job_text(name, study), tuple(range(taken(name)))
-            for asked in ((last - 2,), shards):  # whoever does it has compiled by the second
-                began = time.perf_counter()
-                arguments = (text, f"{folder}/a.h5", asked, 1, __version__)
-                done = pool.submit(task, *arguments).result() if workers else task(*arguments)
-                if done != list(asked):
-                    raise RuntimeError(done)
+            run = run_tasks(name, study, [f"{folder}/a.h5"], taken(name), given)
         else:
-            compute(study, f"{folder}/a.h5", **options)
-        return {"start": start, "run": time.perf_counter() - began}
+            compute(study, f"{folder}/a.h5", threads=1, executor=given)
+            run = time.perf_counter() - began
+        return {"start": start, "run": run}
+
+
+def run_tasks(
+    name: str, study: Any, outputs: list[str], count: int, pool: ProcessPoolExecutor | None
+) -> float:
+    """Do the first shards of a study as one task an output, here or elsewhere; return seconds."""
+    _, compute, task = KINDS[name]
+    last = study.shard_count
+    for output in outputs:
+        # makes the folder that says whose it is, and in it the last shard
+        compute(study, output, part=(last, last), threads=1)
+    shards = tuple(range(count))
+    told = [(job_text(name, study), output, shards, 1, __version__) for output in outputs]
+    began = time.perf_counter()
+    if pool is None:
+        done = [task(*each) for each in told]
+    else:
+        done = [each.result() for each in [pool.submit(task, *each) for each in told]]
+    if any(each != list(shards) for each in done):
+        raise RuntimeError(done)
+    return time.perf_counter() - began
 
 
 def job_text(name: str, study: Any) -> str:
@@ -175,11 +185,12 @@ def job_text(name: str, study: Any) -> str:
     return json.dumps({"study": study.canonical, "files": [str(p) for p in study.files]})
 
 
-def bind(turn: Any) -> None:
-    """Bind a worker to a core of its own."""
+def bind(turn: Any, together: Any) -> None:
+    """Bind a worker to a core of its own, and wait for the others."""
     with turn.get_lock():
         os.sched_setaffinity(0, [turn.value])
         turn.value += 1
+    together.wait()
 
 
 if __name__ == "__main__":

@@ -8,9 +8,13 @@ import numpy as np
 import pytest
 
 import standfast as sf
+from delay_oracles import crossings_by_pencil
+from delay_people import random_persons
 from standfast.engine import delays as engine
 from standfast.engine.grid import Evaluator
+from standfast.engine.mapping import in_batches
 from standfast.quantities import QUANTITIES
+from standfast.stability.delay.persons import all_crossings
 from standfast.study import grid
 
 # Two compilers of one formula round differently; what they find differs by this at most.
@@ -160,6 +164,18 @@ def test_one_free_joint_takes_the_closed_form_and_finds_the_same():
         assert arrays["critical_delay"][index["critical_delay"]] == pytest.approx(delay, rel=1e-12)
         count = sf.unstable_roots(body, stiffness, **person)
         assert arrays["unstable_roots"][index["unstable_roots"]] == count
+
+
+def test_a_first_step_below_zero_is_not_taken_for_the_crossing():
+    """Compiled, Newton's method went from a wide bracket to the mirror image −ω of this person's.
+
+    One of a million random persons (``benchmarks/feedback_check.py``, block 30).
+    """
+    person = random_persons(np.random.default_rng((2007, 30)), 20_000)[np.array([7660])]
+    found = all_crossings(person.numbers, person.rigid, apply=in_batches)
+    known = [omega for omega, _ in crossings_by_pencil(person.matrices(0))]
+    assert sorted(found.frequency) == pytest.approx(sorted(known), rel=LAST_DIGITS)
+    assert not found.uncertain.any()
 
 
 def test_what_is_left_open_is_counted():

@@ -162,6 +162,7 @@ def isolated_in_boxes(
     turn = abs(turn - math.tau * np.rint(turn / math.tau))
     outside = abs(crossings[0] - 0.5 * (low + high)) > 0.5 * LARGER * (high - low) * ROUNDED_UP
     outside |= turn > 0.5 * LARGER * (last - first) * ROUNDED_UP
+    outside |= ~(crossings[0] > 0.0)
     open_[person[outside]] = True
     return *_each_once(person, crossings, open_), open_
 

@@ -261,6 +261,8 @@ def _is_lost(found: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray
     """Return which crossings Newton's method did not come to, or which lie in another cell."""
     frequency, _, direction, correction = found
     inside = (low <= frequency**2 * ROUNDED_UP) & (frequency**2 <= high * ROUNDED_UP)
+    # each has a mirror image below 0, to which a long first step may lead
+    inside &= frequency > 0.0
     lost: np.ndarray = ~(correction < SETTLED) | ~inside | (direction == 0.0)
     return lost
 

@@ -91,8 +91,9 @@ class Study:
         if not isinstance(content, dict) or set(content) != {"title", "parameters", "quantities"}:
             raise unreadable
         given = content["parameters"]
-        least = {"body_model", "gravity"}
-        if not isinstance(given, dict) or not least <= given.keys() <= PARAMETERS.keys():
+        if not isinstance(given, dict) or not {"gravity"} <= given.keys() <= PARAMETERS.keys():
+            raise unreadable
+        if "body_model" not in given and not values.is_own(given):
             raise unreadable
         parameters = {
             name: values.checked_value(name, PARAMETERS[name], from_json(value))

@@ -18,6 +18,7 @@ from standfast.errors import InputError, nearest_name, shortened
 from standfast.parameters import PARAMETERS, Parameter, checked_choice, checked_number
 from standfast.quantities import QUANTITIES
 from standfast.study.canonical import Value
+from standfast.study.own_body import check_own_body, is_own, laid_out
 
 RANGE_KEYS = ("start", "stop", "num", "spacing")
 SPACINGS = ("linear", "log")
@@ -76,9 +77,13 @@ def checked_parameters(content: Mapping[str, Any]) -> dict[str, Value]:
     """Check all parameters of a study under their full names, in its order; add the defaults."""
     apart = ("title", "output")
     known_keys("study", content, ("title", *_keys_of(""), "output"))
-    parameters = _in_table("", {k: given for k, given in content.items() if k not in apart})
+    given = {key: value for key, value in content.items() if key not in apart}
+    if "body" in given:
+        given["body"] = laid_out(given["body"])
+    parameters = _in_table("", given)
+    own = is_own(parameters)
     for row in PARAMETERS.values():
-        if row.default is not None and not row.unwritten:
+        if row.default is not None and not row.unwritten and not (own and row.section == "body"):
             parameters.setdefault(row.name, row.default)
     check_complete(parameters)
     return parameters
@@ -191,9 +196,19 @@ def _range(where: str, row: Parameter, given: Mapping[str, Any]) -> dict[str, An
 def check_complete(parameters: Mapping[str, Value]) -> None:
     """Refuse parameters of which one is missing, or that make a person of no mass at all."""
     for row in PARAMETERS.values():
-        needed = row.key and row.default is None and row.name not in ("mass", "bmi")
-        if needed and row.name not in parameters:
+        of_body = row.section.partition(".")[0] == "body" and row.name != "body_model"
+        if row.key and row.default is None and not of_body and row.name not in parameters:
             raise InputError(f"{row.place} is missing")
+    if is_own(parameters):
+        check_own_body(parameters, _ends)
+    else:
+        _check_size(parameters)
+
+
+def _check_size(parameters: Mapping[str, Value]) -> None:
+    """Refuse a body without height, or with none or both of mass and BMI, or of no mass at all."""
+    if "height" not in parameters:
+        raise InputError("body.height is missing")
     if ("mass" in parameters) == ("bmi" in parameters):
         have = "both are given" if "mass" in parameters else "neither is given"
         raise InputError(f"body needs mass or bmi, one of them; {have}")

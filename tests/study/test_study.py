@@ -42,11 +42,15 @@ WRONG = [
         [9.8, 1.6],
         "gravity[1] = 1.6 falls below the value before it; the values of an axis must rise",
     ),
-    ("body", 3, "[body] = 3 is not a table of model, height, mass, bmi"),
+    (
+        "body",
+        3,
+        "[body] = 3 is not a table of model, height, mass, bmi, segment_mass, segment_inertia, segment_length, segment_com",
+    ),
     (
         "body.heigth",
         1.75,
-        "[body] has no key 'heigth'; did you mean 'height'? (keys: model, height, mass, bmi)",
+        "[body] has no key 'heigth'; did you mean 'height'? (keys: model, height, mass, bmi, segment_mass, segment_inertia, segment_length, segment_com)",
     ),
     (
         "body.height",

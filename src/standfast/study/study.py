@@ -20,6 +20,7 @@ from standfast.quantities import QUANTITIES
 from standfast.study import values
 from standfast.study.canonical import Value, canonical_text, describe, fingerprint_of, from_json
 from standfast.study.grid import Grid
+from standfast.study.own_body import is_own
 from standfast.study.toml import read_toml
 
 LARGEST_GRID = 10**13  # three hours at a billion verdicts a second
@@ -93,7 +94,7 @@ class Study:
         given = content["parameters"]
         if not isinstance(given, dict) or not {"gravity"} <= given.keys() <= PARAMETERS.keys():
             raise unreadable
-        if "body_model" not in given and not values.is_own(given):
+        if "body_model" not in given and not is_own(given):
             raise unreadable
         parameters = {
             name: values.checked_value(name, PARAMETERS[name], from_json(value))

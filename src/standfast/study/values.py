@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from standfast.errors import InputError, nearest_name, shortened
-from standfast.parameters import PARAMETERS, Parameter, checked_choice, checked_number
+from standfast.parameters import OWN_BODY, PARAMETERS, Parameter, checked_choice, checked_number
 from standfast.quantities import QUANTITIES
 from standfast.study.canonical import Value
 from standfast.study.own_body import check_own_body, is_own, laid_out
@@ -195,20 +195,20 @@ def _range(where: str, row: Parameter, given: Mapping[str, Any]) -> dict[str, An
 
 def check_complete(parameters: Mapping[str, Value]) -> None:
     """Refuse parameters of which one is missing, or that make a person of no mass at all."""
+    own = is_own(parameters)
+    of_body = {"mass", "bmi", *OWN_BODY, *(["height"] if own else [])}
     for row in PARAMETERS.values():
-        of_body = row.section.partition(".")[0] == "body" and row.name != "body_model"
-        if row.key and row.default is None and not of_body and row.name not in parameters:
+        needed = row.key and row.default is None and row.name not in of_body
+        if needed and row.name not in parameters:
             raise InputError(f"{row.place} is missing")
-    if is_own(parameters):
+    if own:
         check_own_body(parameters, _ends)
     else:
-        _check_size(parameters)
+        _check_mass(parameters)
 
 
-def _check_size(parameters: Mapping[str, Value]) -> None:
-    """Refuse a body without height, or with none or both of mass and BMI, or of no mass at all."""
-    if "height" not in parameters:
-        raise InputError("body.height is missing")
+def _check_mass(parameters: Mapping[str, Value]) -> None:
+    """Refuse a body with none or both of mass and BMI, or of no mass at all."""
     if ("mass" in parameters) == ("bmi" in parameters):
         have = "both are given" if "mass" in parameters else "neither is given"
         raise InputError(f"body needs mass or bmi, one of them; {have}")

@@ -26,11 +26,11 @@ WRONG = [
     ),
     (
         lambda: sf.Body.from_height_mass(1.75, 80000),
-        "mass = 80000 is outside the allowed range, 2 to 700 kg; 80000 looks like grams, write 80",
+        "mass = 80000 is outside the allowed range, 2 to 650 kg; 80000 looks like grams, write 80",
     ),
     (
         lambda: sf.Body.from_height_mass(1.75, -80),
-        "mass = -80 is outside the allowed range, 2 to 700 kg",
+        "mass = -80 is outside the allowed range, 2 to 650 kg",
     ),
     (
         lambda: sf.Body.from_height_mass(NAN, 80),
@@ -42,7 +42,7 @@ WRONG = [
     ),
     (
         lambda: sf.Body.from_height_mass(1.75, None),
-        "mass is None; give one number, 2 to 700 kg, or map over many with jax.vmap",
+        "mass is None; give one number, 2 to 650 kg, or map over many with jax.vmap",
     ),
     (
         lambda: sf.Body.from_height_mass(True, 80),

@@ -35,12 +35,14 @@ if TYPE_CHECKING:
     from standfast.mechanics.laws import LAWS
     from standfast.population.people.study import PopulationStudy
     from standfast.population.simulation import simulate
+    from standfast.run.lock import BusyError
 
 # Where the names lie that need h5py or JAX, or are read once in a while; imported when they are
 # first asked for.
 LAZY = {
     "LAWS": "standfast.mechanics.laws",
     "Atlas": "standfast.atlas.reader",
+    "BusyError": "standfast.run.lock",
     "open_atlas": "standfast.atlas.opening",
     "compute": "standfast.atlas.memory",
     "sweep": "standfast.atlas.sweeping",
@@ -53,6 +55,7 @@ __all__ = [
     "LAWS",
     "Atlas",
     "Body",
+    "BusyError",
     "Feedback",
     "InputError",
     "Modes",

@@ -19,6 +19,7 @@ from standfast.parameters import (
     SEGMENT_NUMBERS,
     SEGMENT_PARAMETERS,
     SEGMENTS,
+    check_bmi,
     checked_choice,
     checked_number,
     checked_scalar,
@@ -98,6 +99,8 @@ class Body(_BodyFields):
         """
         reference = REFERENCE_PEOPLE[checked_choice("body_model", model)]
         size = {"height": checked_scalar("height", height), "mass": checked_scalar("mass", mass)}
+        if all(map(is_typed_in, size.values())):
+            check_bmi("mass", **size)
         return body_of({"body_model": reference, **size})
 
 

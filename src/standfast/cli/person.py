@@ -160,7 +160,7 @@ def _facts(given: dict[str, Any]) -> dict[str, Any]:
     from standfast.mechanics.matrices import joint_gravity
     from standfast.stability.feedback import is_stable
     from standfast.stability.margins import safety_factor, stiffness_reserve
-    from standfast.stability.modes import frequency, growth_rate, modes
+    from standfast.stability.modes import frequency_of, growth_rate_of, modes
     from standfast.stability.springs import critical_stiffness
 
     person = _who(given)
@@ -184,8 +184,8 @@ def _facts(given: dict[str, Any]) -> dict[str, Any]:
         "modes": [
             {
                 "eigenvalue": value,
-                "frequency": float(frequency(value)),
-                "growth_rate": float(growth_rate(value)),
+                "frequency": float(frequency_of(value)),
+                "growth_rate": float(growth_rate_of(value)),
                 "rotations": dict(zip(JOINTS, (shape + 0.0).tolist(), strict=True)),
             }
             for value, shape in finite

@@ -1,6 +1,7 @@
 """The one table of parameters, and the check at the border."""
 
 from standfast.parameters.border import (
+    check_bmi,
     checked_choice,
     checked_leaf,
     checked_number,
@@ -48,6 +49,7 @@ __all__ = [
     "STIFFNESSES",
     "STIFFNESS_UNIT",
     "Parameter",
+    "check_bmi",
     "checked_choice",
     "checked_leaf",
     "checked_number",

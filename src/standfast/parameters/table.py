@@ -181,9 +181,9 @@ SEGMENT_NUMBERS = {part: tuple(row.name for row in rows) for part, rows in _SEGM
 OWN_BODY = tuple(name for names in SEGMENT_NUMBERS.values() for name in names)
 
 
-# Heights and masses run from small children to the tallest and heaviest adults on record; gravity
-# from near weightlessness to well beyond a centrifuge. They catch centimetres and pounds in grams,
-# not unusual people.
+# Heights, masses and BMI run from small children to the tallest and heaviest adults on record
+# (635 kg; 204 kg/m²); gravity from near weightlessness to well beyond a centrifuge. They catch
+# centimetres, grams and a lost decimal point, not unusual people.
 _TABLE = (
     Parameter(
         "gravity",
@@ -208,9 +208,9 @@ _TABLE = (
     Parameter(
         "height", "H", "m", "standing height of the person", 0.5, 2.8, section="body", key="height"
     ),
-    Parameter("mass", "m", "kg", "mass of the whole body", 2.0, 700.0, section="body", key="mass"),
+    Parameter("mass", "m", "kg", "mass of the whole body", 2.0, 650.0, section="body", key="mass"),
     Parameter(
-        "bmi", "", "kg/m²", "body mass index, mass / height²", 5.0, 250.0, section="body", key="bmi"
+        "bmi", "", "kg/m²", "body mass index, mass / height²", 5.0, 210.0, section="body", key="bmi"
     ),
     *(row for rows in _SEGMENT_ROWS.values() for row in rows),
     *map(_stiffness, JOINTS),

@@ -28,7 +28,7 @@ from standfast.population.people.distributions import Distributions, ParameterDi
 from standfast.population.people.records import People
 from standfast.population.people.sections import NERVES
 from standfast.stability.margins import safety_factor, stiffness_reserve
-from standfast.stability.modes import frequency, modes, ratio_to_ankle
+from standfast.stability.modes import frequency_of, modes, ratio_to_ankle
 from standfast.stability.springs import critical_stiffness, verdict
 
 DELAY = "feedback_delay"
@@ -225,7 +225,7 @@ def _of_one(setting: Setting, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
         "stable": verdict(*person),
         "safety_factor": safety_factor(*person),
         "stiffness_reserve": stiffness_reserve(*person),
-        "frequency": frequency(of_modes.eigenvalues[0]),
+        "frequency": frequency_of(of_modes.eigenvalues[0]),
         "hip_ankle_ratio": ratio_to_ankle("hip", stiffness, of_modes),
     }
 

@@ -15,7 +15,14 @@ from typing import Any
 import numpy as np
 
 from standfast.errors import InputError, nearest_name, shortened
-from standfast.parameters import OWN_BODY, PARAMETERS, Parameter, checked_choice, checked_number
+from standfast.parameters import (
+    OWN_BODY,
+    PARAMETERS,
+    Parameter,
+    check_bmi,
+    checked_choice,
+    checked_number,
+)
 from standfast.quantities import QUANTITIES
 from standfast.study.canonical import Value
 from standfast.study.own_body import check_own_body, is_own, laid_out
@@ -212,10 +219,13 @@ def _check_mass(parameters: Mapping[str, Value]) -> None:
     if ("mass" in parameters) == ("bmi" in parameters):
         have = "both are given" if "mass" in parameters else "neither is given"
         raise InputError(f"body needs mass or bmi, one of them; {have}")
+    heights = _ends(parameters["height"])
+    if "mass" in parameters:
+        for mass, height in itertools.product(_ends(parameters["mass"]), heights):
+            check_bmi("body.mass", height, mass)
     if "bmi" in parameters:
         row = PARAMETERS["mass"]
-        bmis, heights = _ends(parameters["bmi"]), _ends(parameters["height"])
-        for bmi, height in itertools.product(bmis, heights):
+        for bmi, height in itertools.product(_ends(parameters["bmi"]), heights):
             mass = bmi * height**2
             if not row.lowest <= mass <= row.highest:
                 raise InputError(

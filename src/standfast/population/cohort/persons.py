@@ -23,7 +23,7 @@ from standfast.population.people.distributions import (
     measured_of,
 )
 from standfast.stability.margins import safety_factor
-from standfast.stability.modes import growth_rate, modes
+from standfast.stability.modes import growth_rate_of, modes
 from standfast.stability.springs import critical_stiffness, verdict
 
 # The sole and the ankle: what of stature lies below the ankle, in the body models' source
@@ -241,4 +241,4 @@ def growth(model: CohortModel, given: Mapping[str, Scalar]) -> dict[str, Scalar]
     """Return the growth rate of one person's fall (1/s), 0 where they stand."""
     person = person_of(model, given)
     found = modes(person.body, person.stiffness, model.gravity)
-    return {"growth_rate": growth_rate(found.eigenvalues[0])}
+    return {"growth_rate": growth_rate_of(found.eigenvalues[0])}

@@ -1,11 +1,11 @@
-"""Own segments of persons in a file: one column each, all of a person or none."""
+"""The body of a person in a file: size, and own segments, all of a person or none."""
 
 import math
 from collections.abc import Mapping
 
 from standfast.anthropometry.body import implausible
 from standfast.errors import InputError
-from standfast.parameters import OWN_BODY, SEGMENT_NUMBERS
+from standfast.parameters import OWN_BODY, SEGMENT_NUMBERS, check_bmi
 
 # Of body mass, what shank, thigh and upper body may weigh: all but the feet, 3 % in the tables,
 # with what two scales may differ by.
@@ -25,8 +25,10 @@ def without_some_segments(columns: set[str]) -> tuple[set[str], tuple[str, ...]]
     return columns - set(OWN_BODY), (remark,)
 
 
-def check_segments(person: Mapping[str, object]) -> None:
-    """Refuse a person with some segments alone, or with segments that no such person has."""
+def check_body(person: Mapping[str, object]) -> None:
+    """Refuse a mass that nobody of the height has, some segments alone, or ones nobody has."""
+    mass = float(str(person["mass"]))
+    check_bmi("mass", float(str(person["height"])), mass)
     given = {name: float(str(person[name])) for name in OWN_BODY if name in person}
     missing = [name for name, value in given.items() if math.isnan(value)]
     if len(missing) == len(given):
@@ -36,7 +38,6 @@ def check_segments(person: Mapping[str, object]) -> None:
     if reason := implausible(given):
         raise InputError(reason)
     weigh = math.fsum(given[name] for name in SEGMENT_NUMBERS["segment_mass"])
-    mass = float(str(person["mass"]))
     if not SHARE[0] * mass <= weigh <= SHARE[1] * mass:
         raise InputError(
             f"the segments weigh {weigh:.4g} kg together and the person {mass:.4g}; shank, thigh "

@@ -10,7 +10,7 @@ import numpy as np
 from standfast.errors import InputError
 from standfast.parameters import PARAMETERS, Parameter, checked_number, number_in
 from standfast.population.people.csv_table import MEASURABLE, Table, hint, read_table
-from standfast.population.people.own_segments import check_segments, without_some_segments
+from standfast.population.people.own_segments import check_body, without_some_segments
 
 SEXES = ("male", "female", "unknown")
 ADULT = 18
@@ -239,7 +239,7 @@ def _checked_person(
             if name in needed and entry.lower() in NOTHING:
                 raise InputError(f"no {name}")
             person[name] = _optional(entry, name, PARAMETERS[name])
-    check_segments(person)
+    check_body(person)
     return person
 
 

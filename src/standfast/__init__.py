@@ -13,6 +13,7 @@ from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import inertia_matrix, stiffness_matrix
 from standfast.mechanics.motion import joint_moments, kinetic_energy, potential_energy
 from standfast.parameters import BODY_MODELS
+from standfast.quantities import Person, add_quantity
 from standfast.stability.feedback import (
     critical_delay,
     delay_crossings,
@@ -59,10 +60,12 @@ __all__ = [
     "Feedback",
     "InputError",
     "Modes",
+    "Person",
     "PopulationStudy",
     "Stiffness",
     "Study",
     "__version__",
+    "add_quantity",
     "compute",
     "critical_delay",
     "critical_stiffness",

@@ -82,7 +82,8 @@ def sweep(
         same call goes on.
     """
     options = checked_options(part, threads, progress, estimate, executor)
-    return run_job(_Sweep(Study.of(study)), checked_path("output", output), part, options)
+    path = checked_path("output", output)
+    return run_job(_Sweep(Study.of(study)), path, part, options)
 
 
 def sweep_shards(

@@ -164,6 +164,11 @@ def _single(where: str, row: Parameter, given: Any) -> Any:
 
 
 def _range(where: str, row: Parameter, given: Mapping[str, Any]) -> dict[str, Any]:
+    if "step" in given:
+        raise InputError(
+            f"{where} has a step; a range has the number of its values instead: "
+            "{ start = …, stop = …, num = … }"
+        )
     known_keys(where, given, RANGE_KEYS)
     for key in ("start", "stop", "num"):
         if key not in given:

@@ -44,8 +44,12 @@ class Parameter:
     @property
     def label(self) -> str:
         """Axis label of a figure: words, symbol and unit."""
-        words = self.name.replace("_", " ") if self.symbol else self.name.upper()
-        return label(words, self.symbol, self.unit)
+        return label(self.words, self.symbol, self.unit)
+
+    @property
+    def words(self) -> str:
+        """What it is called."""
+        return "BMI" if self.name == "bmi" else self.name.replace("_", " ")
 
     @property
     def place(self) -> str:

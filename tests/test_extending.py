@@ -103,3 +103,52 @@ def test_a_wrong_value_gets_its_sentence():
         sf.Study.from_dict({**STUDY, "floor": {"stiffness": -1.0}})
     with pytest.raises(sf.InputError, match=r"\[floor\] has no key 'stifness'; did you mean"):
         sf.Study.from_dict({**STUDY, "floor": {"stifness": 1.0}})
+
+
+def hip_moment(person):
+    """What the hip bears where the upper body leans forward by one degree."""
+    loads = sf.stiffness_matrix(person.body, sf.Stiffness(0.0, 0.0, 0.0), person.gravity)
+    return -loads[2, 2] * jnp.pi / 180.0
+
+
+def test_a_quantity_of_ones_own_by_the_public_way(tmp_path, monkeypatch):
+    row = sf.add_quantity(
+        "hip_moment", hip_moment, unit="N·m", meaning="moment at the hip at a lean of 1°",
+        without=("stiffness", "damping", "feedback"),
+    )  # fmt: skip
+    monkeypatch.setitem(QUANTITIES, "hip_moment", row)  # and gone after the test
+    content = {
+        "body": {"height": [1.5, 1.8], "mass": 70.0},
+        "stiffness": {"ankle": [900.0, 1200.0], "knee": 1500.0, "hip": 400.0},
+        "output": {"quantities": ["hip_moment", "stable"]},
+    }
+    found = sf.sweep(content, tmp_path / "a.h5").to_xarray()
+    assert found.hip_moment.dims == ("height",)
+    assert found.hip_moment.attrs["units"] == "N·m"
+    for height in (1.5, 1.8):
+        body = sf.Body.from_height_mass(height, 70.0)
+        upper = 9.80665 * body.segment_mass[2] * body.segment_com[2]
+        at = float(found.hip_moment.sel(height=height))
+        np.testing.assert_allclose(at, np.radians(upper), rtol=1e-14)
+    assert sf.compute(content).hip_moment.equals(found.hip_moment.load())
+    again = sf.add_quantity("hip_moment", hip_moment, unit="N·m", meaning="the same, said anew")
+    assert QUANTITIES["hip_moment"] is again
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"name": "stable"}, "stable is a quantity of standfast already; choose another name"),
+        ({"name": "height"}, "height is a parameter; give the quantity another name"),
+        ({"name": "hip moment"}, "name = 'hip moment' is not a name of a quantity"),
+        ({"function": 3}, "function = 3 is not a function of a person"),
+        ({"unit": None}, "unit = None is not one line of text"),
+        ({"dtype": "int"}, "dtype = 'int' is not one of float64, float32, uint8"),
+        ({"without": ("ankel_stiffness",)}, "without has 'ankel_stiffness', which is no parameter"),
+    ],
+)
+def test_a_wrong_quantity_gets_its_sentence(changes, sentence):
+    given = {"name": "mine", "function": hip_moment, "unit": "1", "meaning": "x", **changes}
+    with pytest.raises(sf.InputError, match=sentence):
+        sf.add_quantity(**given)
+    assert "mine" not in QUANTITIES

@@ -11,6 +11,7 @@ from standfast.mechanics.feedback import checked_damping, checked_feedback
 NOMINAL = sf.Body.edwards2007()
 STIFF = sf.Stiffness(950.0, 2000.0, 738.0)
 NAN = float("nan")
+ANY = {"ankle": 900, "knee": 1500, "hip": 400}
 MODELS = "(models: edwards2007, winter, de-leva-male, de-leva-female)"
 
 WRONG = [
@@ -26,11 +27,11 @@ WRONG = [
     ),
     (
         lambda: sf.Body.from_height_mass(1.75, 80000),
-        "mass = 80000 is outside the allowed range, 2 to 700 kg; 80000 looks like grams, write 80",
+        "mass = 80000 is outside the allowed range, 2 to 650 kg; 80000 looks like grams, write 80",
     ),
     (
         lambda: sf.Body.from_height_mass(1.75, -80),
-        "mass = -80 is outside the allowed range, 2 to 700 kg",
+        "mass = -80 is outside the allowed range, 2 to 650 kg",
     ),
     (
         lambda: sf.Body.from_height_mass(NAN, 80),
@@ -42,7 +43,7 @@ WRONG = [
     ),
     (
         lambda: sf.Body.from_height_mass(1.75, None),
-        "mass is None; give one number, 2 to 700 kg, or map over many with jax.vmap",
+        "mass is None; give one number, 2 to 650 kg, or map over many with jax.vmap",
     ),
     (
         lambda: sf.Body.from_height_mass(True, 80),
@@ -79,6 +80,73 @@ WRONG = [
         lambda: sf.modes(NOMINAL, sf.Stiffness(None, 2000, 738)),
         "ankle_stiffness is None; give one number, "
         "0 to 1e+12 N·m/rad, or inf for a rigid joint, or map over many with jax.vmap",
+    ),
+    (
+        lambda: sf.Stiffness(None, 1, 1),
+        "ankle_stiffness is None; give one number, "
+        "0 to 1e+12 N·m/rad, or inf for a rigid joint, or map over many with jax.vmap",
+    ),
+    (
+        lambda: sf.Body.from_height_mass(1.7, 680),
+        "mass = 680 is outside the allowed range, 2 to 650 kg; is a decimal point missing, 68?",
+    ),
+    (
+        lambda: sf.Body.from_height_mass(1.7, 640),
+        "mass = 640 at a height of 1.7 m is a BMI of 221.5, outside the allowed range, "
+        "5 to 210 kg/m²",
+    ),
+    (
+        lambda: sf.Study.from_dict({"body": {"height": [1.2, 1.7], "mass": 500}, "stiffness": ANY}),
+        "body.mass = 500 at a height of 1.2 m is a BMI of 347.2, outside the allowed range, "
+        "5 to 210 kg/m²",
+    ),
+    (
+        lambda: sf.Study.from_dict(
+            {"body": NOMINAL, "stiffness": {**ANY, "hip": {"start": 1, "stop": 9, "step": 2}}}
+        ),
+        "stiffness.hip has a step; a range has the number of its values instead: "
+        "{ start = …, stop = …, num = … }",
+    ),
+    (
+        lambda: sf.sweep(None, "a.h5"),
+        "study = None is no study of a sweep; give a Study, the path of a study file, or its "
+        "content as a dict",
+    ),
+    (
+        lambda: sf.simulate(5, "a.h5"),
+        "study = 5 is no study of a population; give a PopulationStudy, the path of a study file, "
+        "or its content as a dict",
+    ),
+    (lambda: sf.sweep("no.toml", "a.h5"), "no.toml: there is no such study file"),
+    (lambda: sf.simulate("no.toml", "a.h5"), "no.toml: there is no such study file"),
+    (
+        lambda: sf.simulate({"title": "x"}, "a.h5"),
+        "[population] is missing: say people or builtin, and size",
+    ),
+    (lambda: sf.sweep("no.toml", None), "output = None is not the name of a file"),
+    (lambda: sf.Study.from_toml(None), "study = None is not the name of a file"),
+    (lambda: sf.open_atlas(3), "path = 3 is not the name of a file"),
+    (
+        lambda: sf.sweep({}, "a.h5", threads="two"),
+        "threads = 'two' is not a number of threads; give 1 or more",
+    ),
+    (lambda: sf.sweep({}, "a.h5", part=3), "part = 3 is not a share; give (i, N)"),
+    (
+        lambda: sf.inertia_matrix(None),
+        "body = None is not a Body; make one with Body.from_height_mass or Body.edwards2007",
+    ),
+    (
+        lambda: sf.frequency(-4.0, STIFF),
+        "body = -4.0 is not a Body; make one with Body.from_height_mass or Body.edwards2007",
+    ),
+    (
+        lambda: sf.kinetic_energy(NOMINAL, (0.1, 0.2), (0, 0, 0)),
+        "rotation = (0.1, 0.2) is not three numbers: ankle, knee, hip",
+    ),
+    (
+        lambda: sf.potential_energy(NOMINAL, STIFF, 9.8, (0, 0, 0)),
+        "gravity is an array of shape (3,); give one number, 0.001 to 1000 m/s², "
+        "or map over many with jax.vmap",
     ),
     (
         lambda: STIFF._replace(hip=-1.0),

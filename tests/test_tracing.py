@@ -38,14 +38,17 @@ def test_traced_and_plain_calls_agree():
 
 PUBLIC = {
     "critical_stiffness": lambda *person: sf.critical_stiffness(*person).hip,
+    "frequency": sf.frequency,
+    "growth_rate": sf.growth_rate,
+    "is_stable": sf.is_stable,
     "equal_rotation": lambda body, k, g: sf.equal_rotation(body, k.knee, g)[1],
     "hip_ankle_ratio": lambda *person: sf.modes(*person).shapes[2, 0],
-    "joint_moments": lambda *person: sf.joint_moments(*person, (0.1, 0.2, 0.3), (1, 2, 3), (4, 5, 6)),  # noqa: E501
+    "joint_moments": lambda body, k, g: sf.joint_moments(body, k, (0.1, 0.2, 0.3), (1, 2, 3), (4, 5, 6), g),  # noqa: E501
     "kinetic_energy": lambda body, k, g: sf.kinetic_energy(body, (0.1, 0.2, 0.3), (1.0, 2.0, 3.0)),
     "load_rounding": lambda *person: rounding.load_rounding(*person)[0],
     "inertia_matrix": lambda body, k, g: sf.inertia_matrix(body),
     "modes": lambda *person: sf.modes(*person).eigenvalues,
-    "potential_energy": lambda *person: sf.potential_energy(*person, (0.1, 0.2, 0.3)),
+    "potential_energy": lambda body, k, g: sf.potential_energy(body, k, (0.1, 0.2, 0.3), g),
     "safety_factor": sf.safety_factor,
     "stability_determinant": sf.stability_determinant,
     "stiffness_matrix": sf.stiffness_matrix,
@@ -77,6 +80,45 @@ def test_a_single_precision_argument_is_refused(leaf, precision):
     leaves[leaf] = leaves[leaf].astype(precision)
     with pytest.raises(TypeError, match="computes in float64"):
         jax.vmap(lambda *one: springs.verdict(*person_of(*one)))(*leaves)
+
+
+def test_what_cannot_be_traced_says_so():
+    """Crossings and certain verdicts follow paths that depend on values."""
+    feedback = sf.Feedback((600.0, 0.0, 0.0), (150.0, 0.0, 0.0), 0.1)
+    body = sf.Body.edwards2007()
+    functions = {
+        "is_stable": sf.is_stable,
+        "critical_delay": sf.critical_delay,
+        "delay_crossings": sf.delay_crossings,
+        "unstable_roots": sf.unstable_roots,
+        "rightmost_root": sf.rightmost_root,
+    }
+    for name, function in functions.items():
+        words = f"{name} with damping or feedback is not for jax.vmap, jax.jit or jax.grad"
+
+        def along_ankle(ankle, function=function):
+            return function(body, sf.Stiffness(ankle, 2000.0, 700.0), feedback=feedback)
+
+        def along_delay(delay, function=function):
+            late = feedback._replace(delay=delay)
+            return function(body, sf.Stiffness(500.0, 2000.0, 700.0), feedback=late)
+
+        for along, values in (along_ankle, [450.0, 900.0]), (along_delay, [0.1, 0.2]):
+            with pytest.raises(sf.InputError, match=words):
+                jax.vmap(along)(np.array(values))
+    with pytest.raises(sf.InputError, match="verdict_is_certain is not for jax"):
+        jax.vmap(lambda k: sf.verdict_is_certain(body, sf.Stiffness(k, 2000.0, 700.0)))(
+            np.array([450.0, 900.0])
+        )
+
+
+def test_a_plain_verdict_is_a_plain_bool():
+    assert sf.is_stable(sf.Body.edwards2007(), sf.Stiffness(1200.0, 2000.0, 700.0)) is True
+    verdicts = jax.vmap(
+        lambda ankle: sf.is_stable(sf.Body.edwards2007(), sf.Stiffness(ankle, 2000.0, 700.0))
+    )(np.array([700.0, 1200.0]))
+    assert verdicts.dtype == bool
+    assert verdicts.tolist() == [False, True]
 
 
 def test_records_are_pytrees():
@@ -119,8 +161,8 @@ MARGINS = {
     "eigenvalue_1": lambda *person: sf.modes(*person).eigenvalues[0],
     "eigenvalue_2": lambda *person: sf.modes(*person).eigenvalues[1],
     "eigenvalue_3": lambda *person: sf.modes(*person).eigenvalues[2],
-    "frequency": lambda *person: sf.frequency(sf.modes(*person).eigenvalues[0]),
-    "growth_rate": lambda *person: sf.growth_rate(sf.modes(*person).eigenvalues[0]),
+    "frequency": sf.frequency,
+    "growth_rate": sf.growth_rate,
     "hip_ankle_ratio": lambda *person: sf.modes(*person).shapes[2, 0],
     "knee_ankle_ratio": lambda *person: sf.modes(*person).shapes[1, 0],
     "critical_ankle_stiffness": lambda *person: sf.critical_stiffness(*person).ankle,

@@ -13,6 +13,7 @@ from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import inertia_matrix, stiffness_matrix
 from standfast.mechanics.motion import joint_moments, kinetic_energy, potential_energy
 from standfast.parameters import BODY_MODELS
+from standfast.quantities import Person, add_quantity
 from standfast.stability.feedback import (
     critical_delay,
     delay_crossings,
@@ -35,12 +36,14 @@ if TYPE_CHECKING:
     from standfast.mechanics.laws import LAWS
     from standfast.population.people.study import PopulationStudy
     from standfast.population.simulation import simulate
+    from standfast.run.lock import BusyError
 
 # Where the names lie that need h5py or JAX, or are read once in a while; imported when they are
 # first asked for.
 LAZY = {
     "LAWS": "standfast.mechanics.laws",
     "Atlas": "standfast.atlas.reader",
+    "BusyError": "standfast.run.lock",
     "open_atlas": "standfast.atlas.opening",
     "compute": "standfast.atlas.memory",
     "sweep": "standfast.atlas.sweeping",
@@ -53,13 +56,16 @@ __all__ = [
     "LAWS",
     "Atlas",
     "Body",
+    "BusyError",
     "Feedback",
     "InputError",
     "Modes",
+    "Person",
     "PopulationStudy",
     "Stiffness",
     "Study",
     "__version__",
+    "add_quantity",
     "compute",
     "critical_delay",
     "critical_stiffness",

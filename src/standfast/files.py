@@ -9,9 +9,18 @@ import socket
 import stat
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
+
+from standfast.errors import InputError, shortened
 
 PARTIAL = ".partial"
+
+
+def checked_path(name: str, given: Any) -> Path:
+    """Return the path of a file that a user gives as a text or a ``Path``."""
+    if not isinstance(given, str | os.PathLike):
+        raise InputError(f"{name} = {shortened(given)} is not the name of a file")
+    return Path(given)
 
 
 def partial_name(path: Path) -> Path:

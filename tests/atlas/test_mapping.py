@@ -9,7 +9,7 @@ import standfast as sf
 from populations import GOOD as PEOPLE
 from populations import of
 from standfast.population.simulation import simulate
-from studies import UNEQUAL, changed
+from studies import GOOD, UNEQUAL, changed
 
 
 @pytest.fixture(scope="module")
@@ -69,3 +69,16 @@ def test_a_population_has_a_log_and_an_estimate_like_a_sweep(tmp_path):
     assert log["persons_computed_in_this_run"] == 300_000
     assert log["study_sha256"] == study.fingerprint
     assert {"seconds", "machine", "versions", "persons_per_second"} <= set(log)
+
+
+def test_studies_are_keys_and_atlases_answer_in():
+    """Equal studies have one hash, in whatever order they were written."""
+    study = sf.Study.from_dict(GOOD)
+    turned = sf.Study.from_dict(dict(reversed(GOOD.items())))
+    assert study == turned
+    assert hash(study) == hash(turned)
+    assert {study: 1}[sf.Study.from_canonical(study.canonical)] == 1
+
+
+def test_busy_is_a_public_name():
+    assert issubclass(sf.BusyError, sf.InputError)

@@ -79,7 +79,8 @@ def test_labels_follow_the_conventions(everything_in):
             variable = dataset[name]
             assert variable.dims == study.axes_of(name)
             assert variable.attrs["units"] == QUANTITIES[name].unit
-            assert variable.attrs["long_name"] == QUANTITIES[name].meaning
+            assert variable.attrs["comment"] == QUANTITIES[name].meaning
+            assert variable.attrs["long_name"] == name.replace("_", " ")
         for name in set(study.axes) - {"body_model"}:
             assert dataset[name].attrs["units"] == PARAMETERS[name].unit
         np.testing.assert_array_equal(dataset["stable"].attrs["flag_values"], [0, 1])

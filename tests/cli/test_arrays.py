@@ -68,8 +68,13 @@ def test_part_auto_is_the_share_of_the_array(place, whole, monkeypatch, capsys):
         for name, value in task(SLURM, number, 0, 1, 1, 2).items():
             monkeypatch.setenv(name, value)
         assert main(["sweep", "study.toml", "--part", "auto"]) == 0
-        assert f"Share {number + 1}/2 of study.h5 is done" in capsys.readouterr().out
+        out, err = capsys.readouterr()
+        assert f"Share {number + 1}/2 of study.h5 is done" in out
+        assert ("resumes" in err) == (number == 1)
     assert main(["sweep", "study.toml"]) == 0
+    count = sf.Study.from_toml("study.toml").shard_count
+    words = f"standfast: resumes from study.h5.parts: {count} of {count} shards (100%) are there\n"
+    assert words in capsys.readouterr().err
     assert (place / "study.h5").read_bytes() == whole[1]
 
 

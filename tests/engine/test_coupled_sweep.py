@@ -23,8 +23,8 @@ OF_PYTHON = {
     "eigenvalue_1": lambda *person: sf.modes(*person).eigenvalues[0],
     "eigenvalue_2": lambda *person: sf.modes(*person).eigenvalues[1],
     "eigenvalue_3": lambda *person: sf.modes(*person).eigenvalues[2],
-    "frequency": lambda *person: sf.frequency(sf.modes(*person).eigenvalues[0]),
-    "growth_rate": lambda *person: sf.growth_rate(sf.modes(*person).eigenvalues[0]),
+    "frequency": sf.frequency,
+    "growth_rate": sf.growth_rate,
     "hip_ankle_ratio": lambda *person: sf.modes(*person).shapes[2, 0],
     "knee_ankle_ratio": lambda *person: sf.modes(*person).shapes[1, 0],
 }

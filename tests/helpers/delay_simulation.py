@@ -132,7 +132,7 @@ def _stepped(body, springs, free, matrices, now, late, step):
         outer = -damping @ v - springs @ q - proportional @ late_q - derivative @ late_v
 
         def moments(turning):
-            return sf.joint_moments(body, SLACK, GRAVITY, tuple(q), tuple(v), tuple(turning))
+            return sf.joint_moments(body, SLACK, tuple(q), tuple(v), tuple(turning), GRAVITY)
 
         bias = moments(jnp.zeros(3))
         mass = jnp.stack([moments(column) - bias for column in jnp.eye(3)], axis=1)

@@ -134,7 +134,7 @@ def test_a_and_c_are_the_second_derivatives_of_the_energies():
     for _ in range(5):
         body, stiffness = random_body(rng), random_stiffness(rng)
         a = jax.hessian(lambda rates, body=body: sf.kinetic_energy(body, upright, rates))(upright)
-        c = jax.hessian(lambda q, body=body, k=stiffness: sf.potential_energy(body, k, 9.8, q))(
+        c = jax.hessian(lambda q, body=body, k=stiffness: sf.potential_energy(body, k, q, 9.8))(
             upright
         )
         largest = CALCULUS_RTOL * max(np.abs(a).max(), np.abs(c).max())
@@ -143,7 +143,7 @@ def test_a_and_c_are_the_second_derivatives_of_the_energies():
         np.testing.assert_allclose(ours, c, rtol=0, atol=largest)
         ours[0, 2] *= 1.0 + PERTURBATION  # the oracle can fail
         assert np.abs(ours - c).max() > largest
-        np.testing.assert_allclose(sf.potential_energy(body, stiffness, 9.8, upright), 0.0, atol=0)
+        np.testing.assert_allclose(sf.potential_energy(body, stiffness, upright, 9.8), 0.0, atol=0)
 
 
 def test_joint_moments_are_lagranges_equations_of_the_energies():
@@ -160,15 +160,15 @@ def test_joint_moments_are_lagranges_equations_of_the_energies():
         expected = (
             change
             - jax.grad(kinetic)(q, rates)
-            + jax.grad(lambda angles: sf.potential_energy(body, stiffness, 9.8, angles))(q)  # noqa: B023
+            + jax.grad(lambda angles: sf.potential_energy(body, stiffness, angles, 9.8))(q)  # noqa: B023
         )
-        ours = sf.joint_moments(body, stiffness, 9.8, q, rates, turning)
+        ours = sf.joint_moments(body, stiffness, q, rates, turning, 9.8)
         close = 1e-11 * np.abs(expected).max()
         np.testing.assert_allclose(ours, expected, rtol=0, atol=close)
         # the oracle can fail: the thigh's inertia off by one part in a thousand
         wrong = body._replace(segment_inertia=body.segment_inertia * [1.0, 1.001, 1.0])
         assert (
-            np.abs(sf.joint_moments(wrong, stiffness, 9.8, q, rates, turning) - ours).max() > close
+            np.abs(sf.joint_moments(wrong, stiffness, q, rates, turning, 9.8) - ours).max() > close
         )
 
 
@@ -179,7 +179,7 @@ def test_joint_moments_are_those_of_the_multibody_program_at_large_angles():
         model, data = multibody(body, stiffness, 9.8)
         data.qpos[:], data.qvel[:] = rng.uniform(-2.0, 2.0, (2, 3))
         mujoco.mj_forward(model, data)
-        free = sf.joint_moments(body, stiffness, 9.8, data.qpos, data.qvel, data.qacc)
+        free = sf.joint_moments(body, stiffness, data.qpos, data.qvel, data.qacc, 9.8)
         effort = np.abs(data.qfrc_bias).max() + np.abs(data.qfrc_passive).max()
         np.testing.assert_allclose(free, 0.0, atol=1e-11 * effort)
 
@@ -189,7 +189,7 @@ def test_linearised_equations_of_motion_are_a_and_c():
     rest = np.zeros(3)
 
     def moments(q, turning):
-        return sf.joint_moments(body, stiffness, 9.8, q, rest, turning)
+        return sf.joint_moments(body, stiffness, q, rest, turning, 9.8)
 
     by_rotation, by_acceleration = jax.jacobian(moments, argnums=(0, 1))(rest, rest)
     np.testing.assert_allclose(by_acceleration, sf.inertia_matrix(body), rtol=CALCULUS_RTOL)
@@ -213,16 +213,16 @@ def test_a_rigid_joint_stores_nothing_and_does_not_turn():
     rigid = sf.Stiffness(950.0, math.inf, 738.0)
     free = sf.Stiffness(950.0, 0.0, 738.0)
     still = (0.1, 0.0, 0.05)
-    assert sf.potential_energy(body, rigid, 9.8, still) == sf.potential_energy(
-        body, free, 9.8, still
+    assert sf.potential_energy(body, rigid, still, 9.8) == sf.potential_energy(
+        body, free, still, 9.8
     )
     np.testing.assert_array_equal(
-        sf.joint_moments(body, rigid, 9.8, still, (0, 0, 0), (0, 0, 0)),
-        sf.joint_moments(body, free, 9.8, still, (0, 0, 0), (0, 0, 0)),
+        sf.joint_moments(body, rigid, still, (0, 0, 0), (0, 0, 0), 9.8),
+        sf.joint_moments(body, free, still, (0, 0, 0), (0, 0, 0), 9.8),
     )
     turned = (0.1, 0.01, 0.05)
-    assert sf.potential_energy(body, rigid, 9.8, turned) == math.inf
-    assert sf.joint_moments(body, rigid, 9.8, turned, (0, 0, 0), (0, 0, 0))[1] == math.inf
+    assert sf.potential_energy(body, rigid, turned, 9.8) == math.inf
+    assert sf.joint_moments(body, rigid, turned, (0, 0, 0), (0, 0, 0), 9.8)[1] == math.inf
 
 
 def test_single_precision_is_refused():

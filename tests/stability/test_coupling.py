@@ -488,16 +488,16 @@ def test_energy_and_moments_are_those_of_k():
     plain = sf.Stiffness(*K.joints)
     q = (0.1, -0.2, 0.3)
     k = np.array([[0.0, 40.0, -20.0], [40.0, 0.0, 30.0], [-20.0, 30.0, 0.0]])
-    more = sf.potential_energy(NOMINAL, K, 9.8, q) - sf.potential_energy(NOMINAL, plain, 9.8, q)
+    more = sf.potential_energy(NOMINAL, K, q, 9.8) - sf.potential_energy(NOMINAL, plain, q, 9.8)
     assert more == pytest.approx(0.5 * np.array(q) @ k @ np.array(q), rel=1e-12)
     motion = (q, (1.0, 2.0, -1.0), (3.0, 0.0, 2.0))
-    moments = sf.joint_moments(NOMINAL, K, 9.8, *motion)
+    moments = sf.joint_moments(NOMINAL, K, *motion, 9.8)
     np.testing.assert_allclose(
-        moments - sf.joint_moments(NOMINAL, plain, 9.8, *motion), k @ np.array(q), rtol=1e-9
+        moments - sf.joint_moments(NOMINAL, plain, *motion, 9.8), k @ np.array(q), rtol=1e-9
     )
     # near upright they are C q
     small = np.array([1e-7, 2e-7, -1e-7])
-    still = sf.joint_moments(NOMINAL, K, 9.8, tuple(small), (0.0,) * 3, (0.0,) * 3)
+    still = sf.joint_moments(NOMINAL, K, tuple(small), (0.0,) * 3, (0.0,) * 3, 9.8)
     np.testing.assert_allclose(still, sf.stiffness_matrix(NOMINAL, K, 9.8) @ small, rtol=1e-9)
 
 

@@ -13,7 +13,7 @@ from people import batch, person_of, random_body, random_gravity, random_stiffne
 from standfast.mechanics.matrices import second_variation
 from standfast.stability.fast import fast_eigenvalues, fast_reserve
 from standfast.stability.margins import stiffness_reserve as reserve
-from standfast.stability.modes import modes
+from standfast.stability.modes import frequency_of, growth_rate_of, modes
 from standfast.stability.springs import verdict
 
 DIGITS = 50
@@ -225,10 +225,16 @@ def test_similar_bodies_scale():
 
 
 def test_frequency_keeps_the_sign_and_growth_rate_is_zero_when_stable():
-    assert sf.frequency(math.tau**2) == pytest.approx(1.0)
-    assert sf.frequency(-(math.tau**2)) == pytest.approx(-1.0)
-    assert sf.growth_rate(-4.0) == 2.0
-    assert sf.growth_rate(4.0) == 0.0
+    assert frequency_of(math.tau**2) == pytest.approx(1.0)
+    assert frequency_of(-(math.tau**2)) == pytest.approx(-1.0)
+    assert growth_rate_of(-4.0) == 2.0
+    assert growth_rate_of(4.0) == 0.0
+    for ankle, sign in ((1200.0, 1.0), (700.0, -1.0)):
+        person = (sf.Body.edwards2007(), sf.Stiffness(ankle, 2000.0, 738.0))
+        least = float(sf.modes(*person, gravity=9.8).eigenvalues[0])
+        assert math.copysign(1.0, least) == sign
+        assert sf.frequency(*person, gravity=9.8) == sign * math.sqrt(abs(least)) / math.tau
+        assert sf.growth_rate(*person, gravity=9.8) == math.sqrt(max(-least, 0.0))
 
 
 def test_the_energy_of_the_neutral_mode_vanishes():

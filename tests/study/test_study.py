@@ -42,11 +42,15 @@ WRONG = [
         [9.8, 1.6],
         "gravity[1] = 1.6 falls below the value before it; the values of an axis must rise",
     ),
-    ("body", 3, "[body] = 3 is not a table of model, height, mass, bmi"),
+    (
+        "body",
+        3,
+        "[body] = 3 is not a table of model, height, mass, bmi, segment_mass, segment_inertia, segment_length, segment_com",
+    ),
     (
         "body.heigth",
         1.75,
-        "[body] has no key 'heigth'; did you mean 'height'? (keys: model, height, mass, bmi)",
+        "[body] has no key 'heigth'; did you mean 'height'? (keys: model, height, mass, bmi, segment_mass, segment_inertia, segment_length, segment_com)",
     ),
     (
         "body.height",
@@ -69,13 +73,13 @@ WRONG = [
         {"start": 1.9, "stop": 1.5, "num": 5},
         "body.height goes from 1.9 to 1.5; stop must be above start",
     ),
-    ("body.mass", -80, "body.mass = -80 is outside the allowed range, 2 to 700 kg"),
+    ("body.mass", -80, "body.mass = -80 is outside the allowed range, 2 to 650 kg"),
     (
         "body.mass",
         80000,
-        "body.mass = 80000 is outside the allowed range, 2 to 700 kg; 80000 looks like grams, write 80",
+        "body.mass = 80000 is outside the allowed range, 2 to 650 kg; 80000 looks like grams, write 80",
     ),
-    ("body.mass", "80 kg", "body.mass = '80 kg' is text; give a number, 2 to 700 kg"),
+    ("body.mass", "80 kg", "body.mass = '80 kg' is text; give a number, 2 to 650 kg"),
     ("body.bmi", 25, "body needs mass or bmi, one of them; both are given"),
     ("body.mass", None, "body needs mass or bmi, one of them; neither is given"),
     (
@@ -254,7 +258,7 @@ WRONG = [
     ("output", 5, "[output] = 5 is not a table of quantities"),
     ("body.height", None, "body.height is missing"),
     ("stiffness.knee", None, "stiffness.knee is missing"),
-    ("body.mass", 10**400, "body.mass is an integer beyond all floats; give 2 to 700 kg"),
+    ("body.mass", 10**400, "body.mass is an integer beyond all floats; give 2 to 650 kg"),
     (
         "stiffness.ankle",
         10**400,
@@ -290,7 +294,7 @@ def test_a_mass_that_no_one_has_follows_from_bmi_and_height():
         sf.Study.from_dict(content)
     assert str(caught.value) == (
         "body.bmi = 200 at a height of 2.5 m is a mass of 1250 kg, "
-        "outside the allowed range, 2 to 700 kg"
+        "outside the allowed range, 2 to 650 kg"
     )
 
 

@@ -4,6 +4,7 @@ Segments are shank, thigh and upper body, in this order; both legs together. Len
 along the upright body, centres of mass from the lower end of the segment.
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -13,7 +14,12 @@ from standfast.anthropometry.tables import DE_LEVA, WINTER, SegmentRow, upper_bo
 from standfast.errors import InputError
 from standfast.numerics.arrays import Array, Scalar, namespace
 from standfast.parameters import (
+    OWN_BODY,
+    PARAMETERS,
+    SEGMENT_NUMBERS,
     SEGMENT_PARAMETERS,
+    SEGMENTS,
+    check_bmi,
     checked_choice,
     checked_number,
     checked_scalar,
@@ -93,6 +99,8 @@ class Body(_BodyFields):
         """
         reference = REFERENCE_PEOPLE[checked_choice("body_model", model)]
         size = {"height": checked_scalar("height", height), "mass": checked_scalar("mass", mass)}
+        if all(map(is_typed_in, size.values())):
+            check_bmi("mass", **size)
         return body_of({"body_model": reference, **size})
 
 
@@ -105,11 +113,15 @@ class ReferencePerson(NamedTuple):
 
 
 def body_of(given: Mapping[str, Any]) -> Body:
-    """Return the body that parameters by name describe: the one way from height and mass to it.
+    """Return the body that parameters by name describe: the one way to it.
 
-    ``given`` holds ``body_model``, a :class:`ReferencePerson`; ``height`` (m); ``mass`` (kg) or
-    ``bmi`` (kg/m²), of which mass = BMI · height². Numbers may be traced, or fractions.
+    ``given`` holds the person's own segments by the names of ``OWN_BODY``; or ``body_model``, a
+    :class:`ReferencePerson`, ``height`` (m), and ``mass`` (kg) or ``bmi`` (kg/m²), of which
+    mass = BMI · height². Numbers may be traced, or fractions.
     """
+    if OWN_BODY[0] in given:
+        parts = ([given[name] for name in names] for names in SEGMENT_NUMBERS.values())
+        return Body._make(_frozen(namespace(*part).stack(part)) for part in parts)
     reference: ReferencePerson = given["body_model"]
     height = given["height"]
     mass = given["mass"] if "mass" in given else given["bmi"] * height**2
@@ -123,6 +135,42 @@ def body_of(given: Mapping[str, Any]) -> Body:
         body.segment_com * taller,
     )
     return Body._make(map(_frozen, scaled))
+
+
+def named_body(given: Mapping[str, Any]) -> Body:
+    """Return :func:`body_of` parameters as a study says them: the model, if any, by its name."""
+    if "body_model" not in given:
+        return body_of(given)
+    return body_of({**given, "body_model": REFERENCE_PEOPLE[str(given["body_model"])]})
+
+
+def implausible(given: Mapping[str, float]) -> str | None:
+    """Return in words why nobody has such segments, by the names of ``OWN_BODY``; None if one may.
+
+    The centre of mass lies within the segment, whose radius of gyration √(I/m) is shorter than it
+    (of the upper body: than twice the height of its centre of mass); all weigh as much as a person.
+    """
+    for segment in SEGMENTS:
+        words = segment.replace("_", " ")
+        mass, inertia, com = (given[f"{segment}_{part}"] for part in ("mass", "inertia", "com"))
+        length = given.get(f"{segment}_length", 2.0 * com)
+        if not com < length:
+            return (
+                f"the centre of mass of the {words} lies {com:g} m above its lower end, but the "
+                f"{words} is {length:g} m long"
+            )
+        gyration = math.sqrt(inertia / mass)
+        if not gyration < length:
+            return (
+                f"the {words} of {mass:g} kg and {inertia:g} kg·m² has a radius of gyration of "
+                f"{gyration:.3g} m, and must be below {length:.3g} m; inertia is about the "
+                "segment's own centre of mass"
+            )
+    total = math.fsum(given[name] for name in SEGMENT_NUMBERS["segment_mass"])
+    row = PARAMETERS["mass"]
+    if not row.lowest <= total <= row.highest:
+        return f"the segments weigh {total:g} kg together, and a person {row.allowed}"
+    return None
 
 
 def _checked_segments(name: str, values: Any, count: int) -> Array:

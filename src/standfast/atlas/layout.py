@@ -44,13 +44,16 @@ def parameter_attributes(name: str) -> dict[str, Any]:
     """Return the attributes of an axis, or of a parameter with one value."""
     row = PARAMETERS[name]
     units = {} if row.choices else {"units": row.unit}
-    return {**units, "long_name": row.meaning}
+    return {**units, "long_name": row.words, "comment": row.meaning}
 
 
 def quantity_attributes(name: str) -> dict[str, Any]:
     """Return the attributes of a quantity."""
     row = QUANTITIES[name]
-    attributes: dict[str, Any] = {"units": row.unit, "long_name": row.meaning}
+    # a label of xarray has room for about 30 letters, with the unit
+    attributes: dict[str, Any] = {
+        "units": row.unit, "long_name": row.words, "comment": row.meaning,
+    }  # fmt: skip
     if row.flags:
         attributes["flag_values"] = np.arange(len(row.flags), dtype=row.dtype)
         attributes["flag_meanings"] = " ".join(row.flags)
@@ -116,8 +119,7 @@ def _quantity(file: h5py.File, study: Study, group: Group, quantity: str) -> Non
             "shuffle": group.dtype.itemsize > 1,
         }
     dataset = file.create_dataset(quantity, group.shape, group.dtype, **storage)
-    units, meaning, *flags = quantity_attributes(quantity).items()
-    fixed = [("coordinates", " ".join(study.fixed))] if study.fixed else []
-    set_attributes(dataset, dict([units, meaning, *fixed, *flags]))
+    fixed = {"coordinates": " ".join(study.fixed)} if study.fixed else {}
+    set_attributes(dataset, {**quantity_attributes(quantity), **fixed})
     for number, axis in enumerate(group.axes):
         dataset.dims[number].attach_scale(file[axis])

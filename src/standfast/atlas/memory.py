@@ -10,19 +10,19 @@ from standfast.engine.grid import Evaluator
 from standfast.errors import InputError
 from standfast.run.machine import cores
 from standfast.study.grid import Tile
-from standfast.study.study import Study
+from standfast.study.study import GivenStudy, Study
 
 if TYPE_CHECKING:
     import xarray
 
 
-def compute(study: Study, *, threads: int | None = None) -> "xarray.Dataset":
+def compute(study: GivenStudy, *, threads: int | None = None) -> "xarray.Dataset":
     """Compute a study in memory, with the values, axes and attributes of its atlas.
 
     Parameters
     ----------
     study
-        what to compute.
+        what to compute: a study, the path of its file, or its content.
     threads
         how many threads compute (default: as many as cores).
 
@@ -40,6 +40,7 @@ def compute(study: Study, *, threads: int | None = None) -> "xarray.Dataset":
         import xarray  # noqa: PLC0415 - an extra
     except ImportError:
         raise InputError("compute needs xarray: pip install 'standfast[xarray]'") from None
+    study = Study.of(study)
     evaluate = Evaluator(study)
     arrays = {
         name: np.empty(group.shape, group.dtype)

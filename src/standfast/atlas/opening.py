@@ -6,6 +6,7 @@ from standfast.atlas.checking import checked_dataset, opened
 from standfast.atlas.layout import FORMAT, FORMAT_VERSION, get_text
 from standfast.atlas.reader import Atlas
 from standfast.errors import InputError
+from standfast.files import checked_path
 from standfast.study.study import Study
 
 
@@ -18,7 +19,7 @@ def open_atlas(path: str | Path) -> Atlas:
         if there is no such file, or it is not HDF5, not an atlas, of another format version, or
         does not hold what its study says.
     """
-    path = Path(path)
+    path = checked_path("path", path)
     with opened(path) as file:
         if get_text(file, "format") != FORMAT:
             kind = get_text(file, "format") or ""

@@ -13,13 +13,14 @@ from standfast.atlas.reader import Atlas
 from standfast.atlas.writer import EncodedTile, read_chunks, write_atlas, write_chunks
 from standfast.engine.grid import Evaluator
 from standfast.errors import InputError
+from standfast.files import checked_path
 from standfast.run.computing import Task
 from standfast.run.loop import run_job
 from standfast.run.options import Announce, Executor, Progress, RunOptions, checked_options
 from standfast.run.shards import HEADER_BYTES
 from standfast.run.workers import write_shards
 from standfast.study.grid import Group, Tile
-from standfast.study.study import Study
+from standfast.study.study import GivenStudy, Study
 
 # Tiles that a thread takes at once: most of verdicts are known sooner than a thread can be told.
 STEPS_TOGETHER = 8
@@ -27,18 +28,18 @@ STEPS_TOGETHER = 8
 
 @overload
 def sweep(
-    study: Study, output: str | Path, *, part: None = None, **options: Unpack[RunOptions]
+    study: GivenStudy, output: str | Path, *, part: None = None, **options: Unpack[RunOptions]
 ) -> Atlas: ...
 
 
 @overload
 def sweep(
-    study: Study, output: str | Path, *, part: tuple[int, int], **options: Unpack[RunOptions]
+    study: GivenStudy, output: str | Path, *, part: tuple[int, int], **options: Unpack[RunOptions]
 ) -> None: ...
 
 
 def sweep(
-    study: Study,
+    study: GivenStudy,
     output: str | Path,
     *,
     part: tuple[int, int] | None = None,
@@ -52,7 +53,8 @@ def sweep(
     Parameters
     ----------
     study, output
-        what to compute, and the file to write.
+        what to compute (a study, the path of its file, or its content as :meth:`.Study.from_dict`
+        takes it), and the file to write.
     part
         ``(i, N)`` computes the i-th of N shares of the shards, 1 ≤ i ≤ N, and finishes nothing; a
         call without ``part`` does what is left.
@@ -80,7 +82,8 @@ def sweep(
         same call goes on.
     """
     options = checked_options(part, threads, progress, estimate, executor)
-    return run_job(_Sweep(study), Path(output), part, options)
+    path = checked_path("output", output)
+    return run_job(_Sweep(Study.of(study)), path, part, options)
 
 
 def sweep_shards(

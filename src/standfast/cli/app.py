@@ -8,7 +8,17 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from standfast.cli import assess, info, laws, plot, population, reproduce, sweep, thresholds
+from standfast.cli import (
+    assess,
+    info,
+    laws,
+    person,
+    plot,
+    population,
+    reproduce,
+    sweep,
+    thresholds,
+)
 from standfast.cli.compile_cache import compiled_programs_kept
 from standfast.cli.first_look import look_first
 from standfast.cli.parsing import StoppedError
@@ -59,7 +69,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"standfast {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in (sweep, thresholds, plot, population, assess, laws, info, reproduce):
+    for command in (sweep, thresholds, plot, population, person, assess, laws, info, reproduce):
         command.add(commands)
     return parser
 

@@ -13,9 +13,8 @@ import numpy as np
 
 from standfast.cli.parsing import add_command
 from standfast.cli.rejected import print_rejected, write_rejected
-from standfast.errors import InputError, nearest_name
+from standfast.errors import InputError
 from standfast.parameters import (
-    BODY_MODELS,
     JOINTS,
     PARAMETERS,
     STANDARD_GRAVITY,
@@ -62,7 +61,12 @@ def add(commands: Any) -> None:
         parser.add_argument(option, action="append", default=[], metavar="JOINT=X", help=words)
     words = "delay of the feedback where the file has none, s"
     parser.add_argument("--delay", metavar="T", help=words)
-    parser.add_argument("--body-model", default="winter", metavar="MODEL", help="default: winter")
+    parser.add_argument(
+        "--body-model",
+        default="winter",
+        metavar="MODEL",
+        help="default: winter; by sex: female=de-leva-female,male=de-leva-male (other: winter)",
+    )
     parser.add_argument(
         "--gravity", default=str(STANDARD_GRAVITY), metavar="G", help="m/s² (default: %(default)s)"
     )
@@ -74,11 +78,7 @@ def _assess(options: argparse.Namespace) -> None:
     from standfast.population.assess import assess, write_assessment
     from standfast.population.people.records import read_people
 
-    if options.body_model not in BODY_MODELS:
-        raise InputError(
-            f"--body-model {options.body_model} is not known"
-            f"{nearest_name(options.body_model, BODY_MODELS)} (models: {', '.join(BODY_MODELS)})"
-        )
+    body_model = _body_model(options.body_model)
     gravity = _number("--gravity", options.gravity, "gravity")
     otherwise = {
         joint: _number(f"--{joint}", text, f"{joint}_stiffness")
@@ -91,7 +91,7 @@ def _assess(options: argparse.Namespace) -> None:
     people = read_people(options.people, strict=options.strict)
     found = assess(
         people,
-        body_model=options.body_model,
+        body_model=body_model,
         gravity=gravity,
         otherwise=otherwise,
         nerves=_nerves(options),
@@ -175,6 +175,17 @@ def _fed_back(columns: Mapping[str, Any]) -> dict[str, Any]:
         "stand": int((verdicts == "yes").sum()),
         "critical_delay": np.quantile(lost, (0.05, 0.5, 0.95)).tolist() if lost.size else [],
     }
+
+
+def _body_model(text: str) -> str | dict[str, str]:
+    """Read a body model, or one for each sex as ``female=…,male=…``."""
+    from standfast.population.people.keys import checked_body_model
+
+    given: Any = text
+    if "=" in text:
+        entries = (entry.partition("=") for entry in text.split(","))
+        given = {sex.strip(): model.strip() for sex, _, model in entries}
+    return checked_body_model("--body-model", given)
 
 
 def _nerves(options: argparse.Namespace) -> "Distributions":

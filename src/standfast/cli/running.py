@@ -53,6 +53,7 @@ def run_shards(
     if options.job_script:
         print(job_script(options.command, options.study, output, study.shard_count), end="")
         return None
+    _say_where_it_resumes(study, output)
     with progress_bar(what) as (show_estimate, show_progress), interruptible() as stop_if_asked:
 
         def after_estimate(estimate: Any) -> None:
@@ -77,6 +78,20 @@ def run_shards(
         else:
             print("is done; without --part the same command finishes it.")
     return found
+
+
+def _say_where_it_resumes(study: Any, output: Path) -> None:
+    """Say how much of the study was done before, if a run of it was broken off or shared."""
+    from standfast.run.folder import parts_of, unfinished
+
+    found = unfinished(output, type(study))
+    if found is None or found[0].fingerprint != study.fingerprint:
+        return
+    count = study.shard_count
+    done = count - len(found[1])
+    if done:
+        words = f"{done} of {count} shards ({done / count:.0%}) are there"
+        print(f"standfast: resumes from {parts_of(output)}: {words}", file=sys.stderr)
 
 
 @contextlib.contextmanager

@@ -7,9 +7,8 @@ import numpy as np
 
 from standfast.anthropometry.body import Body
 from standfast.edwards2007 import published as paper
-from standfast.figures import standing, style
+from standfast.figures import person, standing, style
 from standfast.mechanics.joints import Stiffness
-from standfast.mechanics.motion import segment_angles
 from standfast.parameters import PARAMETERS
 from standfast.stability.modes import modes
 from standfast.stability.springs import equal_rotation
@@ -73,16 +72,10 @@ def draw_figure_4(body: Body, folder: Path) -> list[Path]:
     with style.paper_figure(height=3.0, panels=(1, 2)) as (figure, axes):
         for mode, (ax, letter) in enumerate(zip(axes, "ab", strict=True)):
             shape = result.shapes[:, mode]
-            for sign, linestyle, label in ((1.0, "-", "one extreme"), (-1.0, "--", "the other")):
-                angles = segment_angles(tuple(sign * math.radians(10.0) * shape))
-                steps = np.column_stack([np.sin(angles), np.cos(angles)]) * np.vstack(lengths)
-                points = np.vstack([np.zeros(2), np.cumsum(steps, axis=0)])
-                ax.plot(*points.T, color="black", linestyle=linestyle, linewidth=1.6, label=label)
-                ax.plot(*points[:3].T, "o", color="black", markersize=3.5, markerfacecolor="white")
+            person.sway_pattern(ax, lengths, tuple(math.radians(10.0) * shape))
             hertz = paper.frequency_in_hertz(body, mode)
             ax.set_title(f"({letter}) {hertz:.3g} Hz\nhip/ankle {shape[2]:.2f}".replace("-", "−"))
-            ax.plot([-0.06, 0.18], [-0.07, -0.07], color="black", linewidth=2.5)
-            ax.set(xlim=(-0.62, 0.62), ylim=(-0.1, 1.75), aspect="equal", xlabel="Forward (m)")
+            ax.set(xlim=(-0.62, 0.62), ylim=(-0.1, 1.75))
         axes[0].set_ylabel("Height above the ankle (m)")
         handles, labels = axes[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)

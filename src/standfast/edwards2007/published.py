@@ -17,7 +17,7 @@ from standfast.anthropometry.body import REFERENCE_PEOPLE, Body, body_of
 from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import inertia_matrix
 from standfast.stability import springs
-from standfast.stability.modes import frequency, modes
+from standfast.stability.modes import frequency_of, modes
 
 GRAVITY = 9.8  # m/s²
 RIGID = math.inf
@@ -98,7 +98,7 @@ def hip_alone(body: Body) -> float:
 
 def angular_frequency(body: Body, stiffness: Stiffness, mode: int = 0) -> float:
     """Return ω of a mode in rad/s, negative for minus the growth rate of a fall."""
-    return math.tau * float(frequency(modes(body, stiffness, GRAVITY).eigenvalues[mode]))
+    return math.tau * float(frequency_of(modes(body, stiffness, GRAVITY).eigenvalues[mode]))
 
 
 def person(body: Body, height: float, bmi: float) -> Body:

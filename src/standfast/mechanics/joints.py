@@ -8,7 +8,7 @@ import numpy as np
 from standfast.anthropometry.body import Body
 from standfast.errors import InputError, shortened
 from standfast.numerics.arrays import Scalar, Vector, namespace
-from standfast.parameters import COUPLINGS, STIFFNESSES, checked_leaf, checked_scalar
+from standfast.parameters import COUPLINGS, STIFFNESSES, checked_leaf, checked_scalar, is_typed_in
 
 NAMES = (*STIFFNESSES, *COUPLINGS)
 NO_COUPLING: Vector = (0.0, 0.0, 0.0)
@@ -51,6 +51,11 @@ class Stiffness(_StiffnessFields):
     ) -> "Stiffness":
         """Check every plain value and keep it as a float."""
         values = (ankle, knee, hip, ankle_knee, knee_hip, ankle_hip)
+        if any(map(is_typed_in, values)):
+            # None alone, or beside what is traced, is a mark of a program
+            for name, value in zip(NAMES, values, strict=True):
+                if value is None:
+                    checked_scalar(name, value)
         return super().__new__(cls, *map(checked_leaf, NAMES, values))
 
     @classmethod
@@ -84,21 +89,26 @@ def coupled(couplings: Vector) -> bool:
     return not all(isinstance(k, int | float) and k == 0.0 for k in couplings)
 
 
-def checked_person(body: Body, stiffness: Stiffness, gravity: Scalar) -> Any:
-    """Check the arguments of a public function, each of one person; return their array library."""
+def checked_body(body: Body) -> None:
+    """Refuse what is not the body of one person."""
     if not isinstance(body, Body):
         raise InputError(
-            f"body = {body!r} is not a Body; make one with Body.from_height_mass or "
+            f"body = {shortened(body)} is not a Body; make one with Body.from_height_mass or "
             "Body.edwards2007"
         )
-    if not isinstance(stiffness, Stiffness):
-        raise InputError(_no_stiffness(stiffness))
     for name, values, shape in zip(Body._fields, body, ((3,), (3,), (2,), (3,)), strict=True):
         if np.shape(values) != shape:
             raise InputError(
                 f"{name} has the shape {np.shape(values)}, not {shape}; "
                 "one person at a time, or map over them with jax.vmap"
             )
+
+
+def checked_person(body: Body, stiffness: Stiffness, gravity: Scalar) -> Any:
+    """Check the arguments of a public function, each of one person; return their array library."""
+    checked_body(body)
+    if not isinstance(stiffness, Stiffness):
+        raise InputError(_no_stiffness(stiffness))
     for name, value in zip(NAMES, stiffness, strict=True):
         checked_scalar(name, value)
     checked_scalar("gravity", gravity)

@@ -9,7 +9,7 @@ a, k, h ankle, knee, hip (Gait & Posture 25 (2007) 432-439).
 """
 
 from standfast.anthropometry.body import Body
-from standfast.mechanics.joints import NO_COUPLING, Stiffness, checked_person
+from standfast.mechanics.joints import NO_COUPLING, Stiffness, checked_body, checked_person
 from standfast.numerics.arrays import Array, Matrix, Scalar, Vector, namespace, stacked
 from standfast.numerics.pairs import Pair, add, multiply, negate, product
 from standfast.parameters import STANDARD_GRAVITY
@@ -23,7 +23,13 @@ def inertia_matrix(body: Body) -> Array:
     Returns
     -------
     (3, 3), kg·m², symmetric and positive definite; rows ankle, knee, hip.
+
+    Raises
+    ------
+    InputError
+        if it is not the body of one person.
     """
+    checked_body(body)
     return stacked(joint_inertia(body))
 
 

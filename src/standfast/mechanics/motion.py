@@ -14,11 +14,12 @@ from typing import Any
 import numpy as np
 
 from standfast.anthropometry.body import Body
-from standfast.mechanics.joints import Stiffness
+from standfast.errors import InputError, shortened
+from standfast.mechanics.joints import Stiffness, checked_body, checked_person
 from standfast.mechanics.matrices import coupling_rows, gravity_loads, segment_inertia
 from standfast.numerics.arrays import Array, Scalar, Vector, namespace
 from standfast.numerics.vectors import dot
-from standfast.parameters import checked_scalar
+from standfast.parameters import JOINTS, STANDARD_GRAVITY
 
 
 def segment_angles(rotation: Vector) -> Vector:
@@ -27,7 +28,9 @@ def segment_angles(rotation: Vector) -> Vector:
     return (ankle, ankle + knee, ankle + knee + hip)
 
 
-def potential_energy(body: Body, stiffness: Stiffness, gravity: Scalar, rotation: Vector) -> Scalar:
+def potential_energy(
+    body: Body, stiffness: Stiffness, rotation: Vector, gravity: Scalar = STANDARD_GRAVITY
+) -> Scalar:
     """Return the energy of springs and gravity at any posture, 0 when upright (J).
 
     V = ½ qᵀ K q − γs (1 − cos φs) − γt (1 − cos φt) − γb (1 − cos φb).
@@ -36,9 +39,10 @@ def potential_energy(body: Body, stiffness: Stiffness, gravity: Scalar, rotation
     Raises
     ------
     InputError
-        if gravity is out of range.
+        if gravity is out of range, or a motion is not of three joints.
     """
-    checked_scalar("gravity", gravity)
+    checked_person(body, stiffness, gravity)
+    _check_turns(rotation=rotation)
     xp = namespace(*body, *stiffness, gravity, *rotation)
     moments = zip(_spring_moments(xp, stiffness, rotation), rotation, strict=True)
     springs = sum(0.5 * moment * angle for moment, angle in moments)
@@ -53,6 +57,8 @@ def kinetic_energy(body: Body, rotation: Vector, velocity: Vector) -> Scalar:
 
     T = ½ Σ m (ẋ² + ż²) + ½ Σ I φ̇², with the velocity of each centre of mass written out.
     """
+    checked_body(body)
+    _check_turns(rotation=rotation, velocity=velocity)
     xp = namespace(*body, *rotation, *velocity)
     hs, ht = body.segment_length
     es, et, eb = body.segment_com
@@ -72,10 +78,10 @@ def kinetic_energy(body: Body, rotation: Vector, velocity: Vector) -> Scalar:
 def joint_moments(
     body: Body,
     stiffness: Stiffness,
-    gravity: Scalar,
     rotation: Vector,
     velocity: Vector,
     acceleration: Vector,
+    gravity: Scalar = STANDARD_GRAVITY,
 ) -> Array:
     """Return the outer moments that a motion needs: the full nonlinear equations of motion.
 
@@ -91,9 +97,10 @@ def joint_moments(
     Raises
     ------
     InputError
-        if gravity is out of range.
+        if gravity is out of range, or a motion is not of three joints.
     """
-    checked_scalar("gravity", gravity)
+    checked_person(body, stiffness, gravity)
+    _check_turns(rotation=rotation, velocity=velocity, acceleration=acceleration)
     xp = namespace(*body, *stiffness, gravity, *rotation, *velocity, *acceleration)
     inertia = segment_inertia(body)
     angles = segment_angles(rotation)
@@ -108,6 +115,13 @@ def joint_moments(
         on_segments.append(moment - load * xp.sin(angle))
     springs = _spring_moments(xp, stiffness, rotation)
     return xp.stack([springs[i] + sum(on_segments[i:]) for i in range(3)])
+
+
+def _check_turns(**turns: Vector) -> None:
+    """Refuse a motion that is not of three joints."""
+    for name, values in turns.items():
+        if not hasattr(values, "__len__") or len(values) != len(JOINTS):
+            raise InputError(f"{name} = {shortened(values)} is not three numbers: ankle, knee, hip")
 
 
 def _spring_moments(xp: Any, stiffness: Stiffness, rotation: Vector) -> list[Scalar]:

@@ -6,6 +6,7 @@ once and always in float64; inside ``jit`` and ``vmap`` the same lines are trace
 """
 
 import math
+import sys
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -37,6 +38,12 @@ def namespace(*values: Any) -> Any:
         if find is not None and (found := find()) is not np:
             library = found
     return library
+
+
+def is_traced(*values: Any) -> bool:
+    """Return whether any of some values is being traced by JAX, so has no number yet."""
+    jax = sys.modules.get("jax")  # who traces has imported it
+    return jax is not None and any(isinstance(value, jax.core.Tracer) for value in values)
 
 
 def stacked(rows: Matrix) -> Array:

@@ -56,6 +56,17 @@ def checked_number(name: str, value: Any, *, row: Parameter | None = None) -> fl
     return number
 
 
+def check_bmi(where: str, height: float, mass: float) -> None:
+    """Refuse a mass (kg), called ``where``, that nobody of a height (m) has."""
+    row = PARAMETERS["bmi"]
+    bmi = mass / height**2
+    if not row.lowest <= bmi <= row.highest:
+        raise InputError(
+            f"{where} = {mass:g} at a height of {height:g} m is a BMI of {bmi:.4g}, outside the "
+            f"allowed range, {row.allowed}"
+        )
+
+
 def number_in(text: str) -> float:
     """Read a number in ASCII digits; ``float`` also takes ``8_0`` and the digits of all scripts.
 
@@ -79,6 +90,8 @@ def _likely(row: Parameter, number: float) -> str:
             return f"; feedback comes after what it senses, write {-number:g}"
         if row.highest < number <= 1000.0 * row.highest:
             return f"; {number:g} looks like milliseconds, write {number / 1000.0:g}"
+    if row.name == "mass" and row.highest < number < 2.0 * row.highest:
+        return f"; is a decimal point missing, {number / 10.0:g}?"
     if row.name == "mass" and row.lowest <= number / 1000.0 <= row.highest:
         return f"; {number:g} looks like grams, write {number / 1000.0:g}"
     return ""

@@ -5,10 +5,11 @@ default, and the range with which :mod:`.border` compares what a user gives.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 JOINTS = ("ankle", "knee", "hip")
 STIFFNESSES = tuple(f"{joint}_stiffness" for joint in JOINTS)
+SEGMENTS = ("shank", "thigh", "upper_body")
 # Of two joints together, by muscles that span both.
 COUPLED_JOINTS = (("ankle", "knee"), ("knee", "hip"), ("ankle", "hip"))
 COUPLINGS = tuple(f"{one}_{other}_stiffness" for one, other in COUPLED_JOINTS)
@@ -22,7 +23,8 @@ class Parameter:
     """A number, or one of some words, that a study or a call is given.
 
     ``section`` and ``key`` are its place in a study file ("" is the top level; without a key it is
-    not of a study). A study that does not give it takes ``default``; None: it must be given.
+    not of a study). A study that does not give it takes ``default``; None: it must be given, but
+    for a body, which has either height and mass or all of its own segments.
     ``unwritten``: only a study that gives it names it in its canonical text and its file.
     """
 
@@ -42,8 +44,12 @@ class Parameter:
     @property
     def label(self) -> str:
         """Axis label of a figure: words, symbol and unit."""
-        words = self.name.replace("_", " ") if self.symbol else self.name.upper()
-        return label(words, self.symbol, self.unit)
+        return label(self.words, self.symbol, self.unit)
+
+    @property
+    def words(self) -> str:
+        """What it is called."""
+        return "BMI" if self.name == "bmi" else self.name.replace("_", " ")
 
     @property
     def place(self) -> str:
@@ -144,9 +150,44 @@ def _gain(kind: str, symbol: str, unit: str, moment: str, rotation: str) -> Para
     )
 
 
-# Heights and masses run from small children to the tallest and heaviest adults on record; gravity
-# from near weightlessness to well beyond a centrifuge. They catch centimetres and pounds in grams,
-# not unusual people.
+# The parts of a body that is given segment by segment, as ``Body`` has them. A body of a study or a
+# file of people has a number for each segment: ``shank_mass`` and so on.
+_PARTS = (
+    Parameter("segment_mass", "m", "kg", "mass", 1e-3, 700.0),
+    Parameter("segment_inertia", "I", "kg·m²", "inertia about its centre of mass", 1e-6, 1000.0),
+    Parameter("segment_length", "h", "m", "length", 1e-2, 2.0),
+    Parameter("segment_com", "e", "m", "centre of mass above the lower end", 1e-3, 2.0),
+)
+SEGMENT_PARAMETERS = {row.name: row for row in _PARTS}
+
+
+def _of_segment(part: Parameter, segment: str) -> Parameter:
+    both = part.name in ("segment_mass", "segment_inertia") and segment != "upper_body"
+    return replace(
+        part,
+        name=f"{segment}_{part.name.removeprefix('segment_')}",
+        symbol=f"{part.symbol}_{'b' if segment == 'upper_body' else segment[0]}",
+        meaning=f"{segment.replace('_', ' ')}{', both legs' if both else ''}: {part.meaning}",
+        section=f"body.{part.name}",
+        key=segment,
+    )
+
+
+_SEGMENT_ROWS = {
+    part.name: [
+        _of_segment(part, segment)
+        for segment in (SEGMENTS[:2] if part.name == "segment_length" else SEGMENTS)
+    ]
+    for part in _PARTS
+}
+# The numbers of each part of a body, in the order of ``Body``, and all of them.
+SEGMENT_NUMBERS = {part: tuple(row.name for row in rows) for part, rows in _SEGMENT_ROWS.items()}
+OWN_BODY = tuple(name for names in SEGMENT_NUMBERS.values() for name in names)
+
+
+# Heights, masses and BMI run from small children to the tallest and heaviest adults on record
+# (635 kg; 204 kg/m²); gravity from near weightlessness to well beyond a centrifuge. They catch
+# centimetres, grams and a lost decimal point, not unusual people.
 _TABLE = (
     Parameter(
         "gravity",
@@ -171,10 +212,11 @@ _TABLE = (
     Parameter(
         "height", "H", "m", "standing height of the person", 0.5, 2.8, section="body", key="height"
     ),
-    Parameter("mass", "m", "kg", "mass of the whole body", 2.0, 700.0, section="body", key="mass"),
+    Parameter("mass", "m", "kg", "mass of the whole body", 2.0, 650.0, section="body", key="mass"),
     Parameter(
-        "bmi", "", "kg/m²", "body mass index, mass / height²", 5.0, 250.0, section="body", key="bmi"
+        "bmi", "", "kg/m²", "body mass index, mass / height²", 5.0, 210.0, section="body", key="bmi"
     ),
+    *(row for rows in _SEGMENT_ROWS.values() for row in rows),
     *map(_stiffness, JOINTS),
     *(_coupling(*pair) for pair in COUPLED_JOINTS),
     *map(_damping, JOINTS),
@@ -194,12 +236,3 @@ _TABLE = (
     *(_gain("derivative", "D", DAMPING_UNIT, *pair) for pair in LOOPS),
 )
 PARAMETERS = {row.name: row for row in _TABLE}
-
-# The parts of a body that is given segment by segment: shank, thigh, upper body.
-_SEGMENT_TABLE = (
-    Parameter("segment_mass", "m", "kg", "mass of a segment, both legs", 1e-3, 700.0),
-    Parameter("segment_inertia", "I", "kg·m²", "inertia about its centre of mass", 1e-6, 1000.0),
-    Parameter("segment_length", "h", "m", "length of shank and thigh", 1e-2, 2.0),
-    Parameter("segment_com", "e", "m", "centre of mass above the lower end", 1e-3, 2.0),
-)
-SEGMENT_PARAMETERS = {row.name: row for row in _SEGMENT_TABLE}

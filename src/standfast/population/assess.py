@@ -9,23 +9,30 @@ from typing import Any
 
 import numpy as np
 
-from standfast.anthropometry.body import REFERENCE_PEOPLE, body_of
+from standfast.anthropometry.body import Body
 from standfast.engine.mapping import map_over_batch
 from standfast.files import for_spreadsheets, whole_file
 from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import Scalar
-from standfast.parameters import GAINS, JOINTS, PARAMETERS, STIFFNESSES
+from standfast.parameters import GAINS, JOINTS, OWN_BODY, PARAMETERS, STIFFNESSES
+from standfast.population.cohort.bodies import (
+    Models,
+    model_of_sex,
+    scaled_body,
+    with_own_segments,
+)
 from standfast.population.cohort.nerves import entries_of, judged
 from standfast.population.cohort.persons import load_of
 from standfast.population.people.distributions import Distributions, ParameterDistribution
 from standfast.population.people.records import People
 from standfast.population.people.sections import NERVES
 from standfast.stability.margins import safety_factor, stiffness_reserve
-from standfast.stability.modes import frequency, modes, ratio_to_ankle
+from standfast.stability.modes import frequency_of, modes, ratio_to_ankle
 from standfast.stability.springs import critical_stiffness, verdict
 
 DELAY = "feedback_delay"
+Setting = tuple[Models, float]  # body model of each sex, and gravity
 # How the names of columns say units.
 UNITS = {"N·m/rad": "Nm_rad", "N·m·s/rad": "Nms_rad", "s": "s"}
 
@@ -51,7 +58,7 @@ class Assessment:
 def assess(
     people: People,
     *,
-    body_model: str = "winter",
+    body_model: str | Mapping[str, str] = "winter",
     gravity: float,
     otherwise: Mapping[str, float] | None = None,
     nerves: Distributions = (),
@@ -62,15 +69,18 @@ def assess(
     are, safety factor, reserve, frequency, strategy, and what each joint would have to gain: all of
     springs alone. With gains, which people have or ``nerves`` fixes where they have none, follow
     the verdict, critical delay and delay margin with feedback (Distributions that are fixed).
+    ``body_model`` is that of all, or of ``female``, ``male`` and ``other``, for whom no own
+    segments were measured.
     """
     known = {}
     for joint in JOINTS:
         measured = people.measured.get(f"{joint}_stiffness", np.full(len(people), math.nan))
         instead = (otherwise or {}).get(joint, math.nan)
         known[joint] = np.where(np.isnan(measured), instead, measured)
-    given = np.array([people.height, people.mass, *known.values()])
-    names = ("height", "mass", *STIFFNESSES)
-    found = map_over_batch(_of_one, (body_model, float(gravity)), names)(given)
+    setting, size = _bodies(people, body_model, gravity)
+    given = np.array([*size.values(), *known.values()])
+    names = (*size, *STIFFNESSES)
+    found = map_over_batch(_of_one, setting, names)(given)
     told = {joint: ~np.isnan(values) for joint, values in known.items()}
     everything = np.all([*told.values()], axis=0)
     columns: dict[str, np.ndarray] = {
@@ -98,12 +108,31 @@ def assess(
     columns |= _gains(known, columns)
     fixed = dict(nerves)
     if any(name in fixed or name in people.measured for name in GAINS):
-        columns |= _with_feedback((body_model, float(gravity)), given, people, fixed, everything)
+        columns |= _with_feedback(setting, names, given, people, fixed, everything)
     return Assessment(people, columns)
 
 
+def _bodies(
+    people: People, body_model: str | Mapping[str, str], gravity: float
+) -> tuple[Setting, dict[str, np.ndarray]]:
+    """Return the models and gravity of all, and the numbers that make each one's body."""
+    sexes = tuple(dict.fromkeys(people.sex))
+    models = tuple(model_of_sex(body_model, sex) for sex in sexes)
+    numbers = {"height": people.height, "mass": people.mass}
+    if len(set(models)) > 1:
+        numbers["stratum"] = np.array([sexes.index(sex) for sex in people.sex], np.float64)
+    own = {name: people.measured[name] for name in OWN_BODY if name in people.measured}
+    return (models, float(gravity)), {**numbers, **own}
+
+
+def _body_of(setting: Setting, given: Mapping[str, Scalar]) -> Body:
+    scaled = scaled_body(setting[0], given.get("stratum", 0.0), given["height"], given["mass"])
+    return with_own_segments(scaled, given)
+
+
 def _with_feedback(
-    setting: tuple[str, float],
+    setting: Setting,
+    of_springs: tuple[str, ...],
     given: np.ndarray,
     people: People,
     fixed: Mapping[str, ParameterDistribution],
@@ -114,7 +143,8 @@ def _with_feedback(
     A parameter that neither people nor ``fixed`` have is 0; but a delay is then not known.
     """
     names = tuple(name for name in NERVES if name in fixed or name in people.measured)
-    by_joint = map_over_batch(_loads, setting, ("height", "mass"))(given[:2])
+    size = of_springs[: -len(STIFFNESSES)]
+    by_joint = map_over_batch(_loads, setting, size)(given[: len(size)])
     loads = (by_joint["ankle"], by_joint["knee"], by_joint["hip"])
     values = {}
     for name in names:
@@ -129,7 +159,8 @@ def _with_feedback(
     # what is not known is computed with zeros, and not told
     numbers = np.array([*given, *(np.nan_to_num(each) for each in values.values())])
     known = np.where(told, numbers, np.where(np.isnan(numbers), 0.0, numbers))
-    mapped = map_over_batch(_entries_of_one, setting, ("height", "mass", *STIFFNESSES, *names))
+    known[: len(size)] = given[: len(size)]  # own segments that are not known are scaled
+    mapped = map_over_batch(_entries_of_one, setting, (*of_springs, *names))
     found = judged(mapped(known))
     return {
         **{f"{name}_{UNITS[PARAMETERS[name].unit]}": each for name, each in values.items()},
@@ -139,17 +170,15 @@ def _with_feedback(
     }
 
 
-def _loads(setting: tuple[str, float], given: Mapping[str, Scalar]) -> dict[str, Scalar]:
-    body = body_of({**given, "body_model": REFERENCE_PEOPLE[setting[0]]})
-    return dict(zip(JOINTS, joint_gravity(body, setting[1])[0], strict=True))
+def _loads(setting: Setting, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    loads = joint_gravity(_body_of(setting, given), setting[1])[0]
+    return dict(zip(JOINTS, loads, strict=True))
 
 
-def _entries_of_one(setting: tuple[str, float], given: Mapping[str, Scalar]) -> dict[str, Scalar]:
-    body_model, gravity = setting
-    reference = REFERENCE_PEOPLE[body_model]
-    body = body_of({"body_model": reference, "height": given["height"], "mass": given["mass"]})
+def _entries_of_one(setting: Setting, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
     stiffness = Stiffness._make(given[name] for name in STIFFNESSES)
-    return entries_of(body, stiffness, gravity, {n: given[n] for n in NERVES if n in given})
+    nerves = {name: given[name] for name in NERVES if name in given}
+    return entries_of(_body_of(setting, given), stiffness, setting[1], nerves)
 
 
 def _gains(
@@ -182,10 +211,9 @@ def write_assessment(assessment: Assessment, path: Path) -> None:
             rows.writerow([_entry(value) for value in row])
 
 
-def _of_one(setting: tuple[str, float], given: Mapping[str, Scalar]) -> dict[str, Scalar]:
+def _of_one(setting: Setting, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
     """Return everything about one person; what depends on an unknown stiffness is without sense."""
-    body_model, gravity = setting
-    body = body_of({**given, "body_model": REFERENCE_PEOPLE[body_model]})
+    body, gravity = _body_of(setting, given), setting[1]
     stiffness = Stiffness._make(given[name] for name in STIFFNESSES)
     person = (body, stiffness, gravity)
     alone, _, _ = joint_gravity(body, gravity)
@@ -197,7 +225,7 @@ def _of_one(setting: tuple[str, float], given: Mapping[str, Scalar]) -> dict[str
         "stable": verdict(*person),
         "safety_factor": safety_factor(*person),
         "stiffness_reserve": stiffness_reserve(*person),
-        "frequency": frequency(of_modes.eigenvalues[0]),
+        "frequency": frequency_of(of_modes.eigenvalues[0]),
         "hip_ankle_ratio": ratio_to_ankle("hip", stiffness, of_modes),
     }
 

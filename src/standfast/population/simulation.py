@@ -2,17 +2,18 @@
 
 import dataclasses
 import json
-from collections.abc import Generator, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Generator, Hashable, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Unpack, overload
+from typing import Any, TypeAlias, Unpack, overload
 
 import h5py
 import numpy as np
 
 from standfast.atlas.writer import new_file, reserve
 from standfast.engine.memory import keep_freed_memory
-from standfast.errors import InputError
+from standfast.errors import InputError, shortened
+from standfast.files import checked_path
 from standfast.population.cohort.cohort import Cohort, cohort_of
 from standfast.population.cohort.counting import (
     Block,
@@ -34,10 +35,13 @@ from standfast.run.options import Announce, Executor, Progress, RunOptions, chec
 from standfast.run.shards import HEADER_BYTES
 from standfast.run.workers import write_shards
 
+# What a study may be given as: itself, the path of its file, or its content.
+GivenPopulation: TypeAlias = PopulationStudy | str | Path | Mapping[str, Any]
+
 
 @overload
 def simulate(
-    study: PopulationStudy,
+    study: GivenPopulation,
     output: str | Path,
     *,
     part: None = None,
@@ -48,7 +52,7 @@ def simulate(
 
 @overload
 def simulate(
-    study: PopulationStudy,
+    study: GivenPopulation,
     output: str | Path,
     *,
     part: tuple[int, int],
@@ -58,7 +62,7 @@ def simulate(
 
 
 def simulate(
-    study: PopulationStudy,
+    study: GivenPopulation,
     output: str | Path,
     *,
     part: tuple[int, int] | None = None,
@@ -73,7 +77,8 @@ def simulate(
     Parameters
     ----------
     study, output
-        who and how many, and the file to write.
+        who and how many (a study, the path of its file, or its content; files of people are then
+        relative to that file, or to the working folder), and the file to write.
     part
         ``(i, N)`` counts the i-th of N shares, 1 ≤ i ≤ N, and finishes nothing.
     strict
@@ -95,8 +100,23 @@ def simulate(
         same call goes on.
     """
     options = checked_options(part, threads, progress, estimate, executor)
+    path, study = checked_path("output", output), _study_of(study)
     job = _Simulation(study, study.read_people(strict=strict))
-    return run_job(job, Path(output), part, options)
+    return run_job(job, path, part, options)
+
+
+def _study_of(given: GivenPopulation) -> PopulationStudy:
+    """Return a study that is given as one, as the path of its file, or as its content."""
+    if isinstance(given, PopulationStudy):
+        return given
+    if isinstance(given, str | Path):
+        return PopulationStudy.from_toml(given)
+    if isinstance(given, Mapping):
+        return PopulationStudy.from_dict(given)
+    raise InputError(
+        f"study = {shortened(given)} is no study of a population; give a PopulationStudy, the path "
+        "of a study file, or its content as a dict"
+    )
 
 
 def simulate_shards(

@@ -12,7 +12,7 @@ from standfast.stability import fast, springs
 from standfast.stability.delay import answers
 from standfast.stability.exact import SCALING_ROUNDING, exact_threshold
 from standfast.stability.margins import safety_factor, stability_determinant, stiffness_reserve
-from standfast.stability.modes import frequency, growth_rate, modes, ratio_to_ankle
+from standfast.stability.modes import frequency_of, growth_rate_of, modes, ratio_to_ankle
 from standfast.stability.rounding import threshold_interval
 
 
@@ -129,7 +129,7 @@ OF_SPRINGS = (
         "Hz",
         "frequency of the least stable mode, negative where the person falls",
         modes_of,
-        lambda _, found: frequency(found.eigenvalues[0]),
+        lambda _, found: frequency_of(found.eigenvalues[0]),
         without=NERVES,
         fast=eigenvalues_of,
     ),
@@ -139,7 +139,7 @@ OF_SPRINGS = (
         "1/s",
         "growth rate of the fall, 0 where stable",
         modes_of,
-        lambda _, found: growth_rate(found.eigenvalues[0]),
+        lambda _, found: growth_rate_of(found.eigenvalues[0]),
         without=NERVES,
         fast=eigenvalues_of,
     ),

@@ -82,7 +82,12 @@ class Quantity:
     @property
     def label(self) -> str:
         """Axis label of a figure: words, symbol and unit."""
-        return label(self.name.replace("_", " "), self.symbol, self.unit)
+        return label(self.words, self.symbol, self.unit)
+
+    @property
+    def words(self) -> str:
+        """What it is called."""
+        return self.name.replace("_", " ")
 
     @property
     def at_point(self) -> Callable[[Person], Any]:

@@ -36,10 +36,16 @@ def checked_options(
     executor: Executor | None,
 ) -> RunOptions:
     """Return the options of a run; refuse what is no number of threads, share or executor."""
-    if threads is not None and threads < 1:
-        raise InputError(f"threads = {threads} is not a number of threads; give 1 or more")
-    if part is not None and not 1 <= part[0] <= part[1]:
-        raise InputError(f"part = {part[0]}/{part[1]} is not a share; give i/N with 1 ≤ i ≤ N")
+    if threads is not None and not (isinstance(threads, int) and threads >= 1):
+        raise InputError(
+            f"threads = {shortened(threads)} is not a number of threads; give 1 or more"
+        )
+    if part is not None:
+        two = isinstance(part, tuple | list) and len(part) == 2
+        if not two or not all(isinstance(number, int) for number in part):
+            raise InputError(f"part = {shortened(part)} is not a share; give (i, N)")
+        if not 1 <= part[0] <= part[1]:
+            raise InputError(f"part = {part[0]}/{part[1]} is not a share; give i/N with 1 ≤ i ≤ N")
     if executor is not None and not callable(getattr(executor, "submit", None)):
         raise InputError(
             f"executor = {shortened(executor)} takes no work; give a concurrent.futures.Executor "

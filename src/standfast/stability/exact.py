@@ -16,7 +16,7 @@ import numpy as np
 from standfast.anthropometry.body import REFERENCE_PEOPLE, Body, ReferencePerson, body_of
 from standfast.mechanics.matrices import gravity_loads
 from standfast.numerics.arrays import ROUNDOFF
-from standfast.parameters import COUPLINGS
+from standfast.parameters import COUPLINGS, OWN_BODY
 from standfast.stability.springs import off_diagonal
 
 # Scaling a person rounds: mass ratio of BMI · height² over the reference (4 roundings), times the
@@ -31,12 +31,13 @@ def exact_threshold(parameters: Mapping[str, Any]) -> Fraction | None:
     The loads of :func:`standfast.stability.springs.eliminated`, of parameters by name; without
     coupling these are the carried loads, written another way.
     """
-    names = {"height", "mass", "bmi", "gravity"} & parameters.keys()
+    names = {"height", "mass", "bmi", "gravity", *OWN_BODY} & parameters.keys()
     given: dict[str, Any] = {name: Fraction(parameters[name]) for name in names}
-    person = REFERENCE_PEOPLE[str(parameters["body_model"])]
-    parts = ([Fraction(float(value)) for value in part] for part in person.body)
-    body = Body._make(np.array(part, object) for part in parts)
-    given["body_model"] = ReferencePerson(body, Fraction(person.height), Fraction(person.mass))
+    if "body_model" in parameters:
+        person = REFERENCE_PEOPLE[str(parameters["body_model"])]
+        parts = ([Fraction(float(value)) for value in part] for part in person.body)
+        body = Body._make(np.array(part, object) for part in parts)
+        given["body_model"] = ReferencePerson(body, Fraction(person.height), Fraction(person.mass))
     shank, thigh, upper = gravity_loads(body_of(given), given["gravity"])
     at_ankle, at_knee, at_hip = shank + thigh + upper, thigh + upper, upper
     one, two, three = (Fraction(parameters.get(name, 0.0)) for name in COUPLINGS)

@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 
 from standfast.anthropometry.body import Body
+from standfast.errors import InputError
 from standfast.mechanics.feedback import Feedback, checked_damping, checked_feedback
 from standfast.mechanics.joints import Stiffness, checked_person
 from standfast.mechanics.matrices import joint_inertia, stiffness_rows
-from standfast.numerics.arrays import Scalar
+from standfast.numerics.arrays import Scalar, is_traced
 from standfast.parameters import STANDARD_GRAVITY, checked_scalar
 from standfast.stability.delay.persons import all_crossings, all_rightmost
 from standfast.stability.delay.table import Crossings
@@ -37,6 +38,8 @@ def is_stable(
 
     The boundary itself counts as unstable. Without feedback: C is positive definite, right unless
     the ankle's stiffness lies within rounding of the threshold (see :func:`verdict_is_certain`).
+    Inside ``jax.vmap`` and ``jax.jit`` it is a truth value that is traced; with damping or feedback
+    it cannot be traced.
 
     Parameters
     ----------
@@ -55,6 +58,9 @@ def is_stable(
         if rounding leaves it open, which no person at random has.
     """
     checked_person(body, stiffness, gravity)
+    if feedback is None and damping is None and is_traced(*body, *stiffness, gravity):
+        return verdict(body, stiffness, gravity)  # type: ignore[no-any-return] # traced
+    _refuse_traced("is_stable", body, stiffness, gravity, damping, feedback)
     matrix, fed_back = checked_damping(damping), checked_feedback(feedback)
     if not (fed_back.proportional.any() or fed_back.derivative.any()):
         return bool(verdict(body, stiffness, gravity))
@@ -77,7 +83,8 @@ def critical_delay(
 
     Parameters and errors are those of :func:`is_stable`.
     """
-    return float(_of(body, stiffness, gravity, damping, feedback).critical_delay()[0])
+    table = _of("critical_delay", body, stiffness, gravity, damping, feedback)
+    return float(table.critical_delay()[0])
 
 
 def delay_crossings(
@@ -99,7 +106,7 @@ def delay_crossings(
     Other parameters and errors are those of :func:`is_stable`.
     """
     longest = float(checked_scalar("feedback_delay", longest))
-    table = _of(body, stiffness, gravity, damping, feedback)
+    table = _of("delay_crossings", body, stiffness, gravity, damping, feedback)
     found = [
         (delay, float(table.frequency[number]), int(table.direction[number]))
         for number in range(table.person.size)
@@ -121,8 +128,8 @@ def unstable_roots(
 
     Parameters and errors are those of :func:`is_stable`.
     """
+    table = _of("unstable_roots", body, stiffness, gravity, damping, feedback)
     fed_back = checked_feedback(feedback)
-    table = _of(body, stiffness, gravity, damping, fed_back)
     return int(table.unstable_each(np.array([float(fed_back.delay)]))[0])
 
 
@@ -149,6 +156,7 @@ def rightmost_root(
         if no root could be proven to be the rightmost.
     """
     checked_person(body, stiffness, gravity)
+    _refuse_traced("rightmost_root", body, stiffness, gravity, damping, feedback)
     fed_back = checked_feedback(feedback)
     numbers, rigid = _numbers(body, stiffness, gravity, checked_damping(damping), fed_back)
     root, proven = all_rightmost(numbers, rigid, np.array([float(fed_back.delay)]))
@@ -158,10 +166,25 @@ def rightmost_root(
 
 
 def _of(
-    body: Body, stiffness: Stiffness, gravity: Scalar, damping: Any, feedback: Any
+    function: str, body: Body, stiffness: Stiffness, gravity: Scalar, damping: Any, feedback: Any
 ) -> Crossings:
     checked_person(body, stiffness, gravity)
+    _refuse_traced(function, body, stiffness, gravity, damping, feedback)
     return _table(body, stiffness, gravity, checked_damping(damping), checked_feedback(feedback))
+
+
+def _refuse_traced(
+    function: str, body: Body, stiffness: Stiffness, gravity: Scalar, damping: Any, feedback: Any
+) -> None:
+    """Refuse what is being traced: crossings are isolated by steps that depend on their values."""
+    of_nerves = damping if isinstance(damping, list | tuple) else (damping,)
+    if isinstance(feedback, Feedback):
+        of_nerves = (*of_nerves, *feedback)
+    if is_traced(*body, *stiffness, gravity, *of_nerves):
+        raise InputError(
+            f"{function} with damping or feedback is not for jax.vmap, jax.jit or jax.grad; call "
+            "it person by person, or standfast.compute a study with axes"
+        )
 
 
 def _table(

@@ -83,13 +83,35 @@ def modes(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY) 
     return Modes(xp.stack([low, middle, high]), xp.stack([xp.stack(s) for s in shapes], axis=-1))
 
 
-def frequency(eigenvalue: Scalar) -> Scalar:
+def frequency(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY) -> Scalar:
+    """Return the frequency of the least stable mode √|λ₁| / 2π (Hz), negative where it falls.
+
+    Raises
+    ------
+    InputError
+        if gravity is out of range.
+    """
+    return frequency_of(modes(body, stiffness, gravity).eigenvalues[0])
+
+
+def growth_rate(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY) -> Scalar:
+    """Return the growth rate of the fall √(−λ₁) (1/s), 0 where the person stands.
+
+    Raises
+    ------
+    InputError
+        if gravity is out of range.
+    """
+    return growth_rate_of(modes(body, stiffness, gravity).eigenvalues[0])
+
+
+def frequency_of(eigenvalue: Scalar) -> Scalar:
     """Return the frequency √|λ| / 2π in Hz, with the sign of λ."""
     xp = namespace(eigenvalue)
     return xp.copysign(xp.sqrt(abs(eigenvalue)), eigenvalue) / math.tau
 
 
-def growth_rate(eigenvalue: Scalar) -> Scalar:
+def growth_rate_of(eigenvalue: Scalar) -> Scalar:
     """Return the growth rate of the fall √(−λ) in 1/s, 0 where λ ≥ 0."""
     xp = namespace(eigenvalue)
     stands = eigenvalue >= 0.0

@@ -6,9 +6,10 @@ notation: γ gravity load of a segment, L load carried by a joint, K stiffness, 
 import numpy as np
 
 from standfast.anthropometry.body import Body
+from standfast.errors import InputError
 from standfast.mechanics.joints import NO_COUPLING, Stiffness, checked_person
 from standfast.mechanics.matrices import joint_gravity
-from standfast.numerics.arrays import ROUNDOFF, Scalar, Vector, namespace
+from standfast.numerics.arrays import ROUNDOFF, Scalar, Vector, is_traced, namespace
 from standfast.numerics.bounded import BESIDE, Bounded, is_above, is_below, minus, over, plus, times
 from standfast.parameters import STANDARD_GRAVITY
 from standfast.stability.springs import carried_loads
@@ -157,6 +158,10 @@ def verdict_is_certain(
     the first one that falls short by more than that settles the matter.
     """
     checked_person(body, stiffness, gravity)
+    if is_traced(*body, *stiffness, gravity):
+        raise InputError(
+            "verdict_is_certain is not for jax.vmap, jax.jit or jax.grad; call it person by person"
+        )
     loads = carried_loads(body, stiffness, gravity)
     bounds = load_rounding(body, stiffness, gravity)
     for joint, load, bound in zip(stiffness.joints[::-1], loads[::-1], bounds[::-1], strict=True):

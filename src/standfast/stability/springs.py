@@ -18,7 +18,7 @@ knee, hip; Ka, Kk, Kh stiffnesses (Gait & Posture 25 (2007) 432-439 for the mode
 import numpy as np
 
 from standfast.anthropometry.body import Body
-from standfast.mechanics.joints import NO_COUPLING, Stiffness, checked_person, coupled
+from standfast.mechanics.joints import NO_COUPLING, Stiffness, checked_body, checked_person, coupled
 from standfast.mechanics.matrices import gravity_loads, joint_gravity
 from standfast.numerics.arrays import Scalar, Vector, namespace
 from standfast.parameters import STANDARD_GRAVITY, checked_scalar, is_typed_in
@@ -187,6 +187,7 @@ def equal_rotation(
     InputError
         if gravity or the knee's stiffness is out of range.
     """
+    checked_body(body)
     checked_scalar("gravity", gravity)
     xp = namespace(*body, gravity, knee)
     (g1, g2, g3), _, _ = joint_gravity(body, gravity)

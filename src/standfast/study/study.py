@@ -10,17 +10,21 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from standfast.errors import InputError
+from standfast.errors import InputError, shortened
 from standfast.parameters import GAINS, PARAMETERS, STIFFNESSES
 from standfast.quantities import QUANTITIES
 from standfast.study import values
 from standfast.study.canonical import Value, canonical_text, describe, fingerprint_of, from_json
 from standfast.study.grid import Grid
+from standfast.study.own_body import is_own
 from standfast.study.toml import read_toml
+
+# What a study may be given as: itself, the path of its file, or its content.
+GivenStudy: TypeAlias = "Study | str | Path | Mapping[str, Any]"
 
 LARGEST_GRID = 10**13  # three hours at a billion verdicts a second
 
@@ -91,8 +95,9 @@ class Study:
         if not isinstance(content, dict) or set(content) != {"title", "parameters", "quantities"}:
             raise unreadable
         given = content["parameters"]
-        least = {"body_model", "gravity"}
-        if not isinstance(given, dict) or not least <= given.keys() <= PARAMETERS.keys():
+        if not isinstance(given, dict) or not {"gravity"} <= given.keys() <= PARAMETERS.keys():
+            raise unreadable
+        if "body_model" not in given and not is_own(given):
             raise unreadable
         parameters = {
             name: values.checked_value(name, PARAMETERS[name], from_json(value))
@@ -103,6 +108,30 @@ class Study:
         study = cls(values.checked_title(content), parameters, wanted)
         study.check_size()
         return study
+
+    @classmethod
+    def of(cls, given: "GivenStudy") -> "Study":
+        """Return a study that is given as one, as the path of its file, or as nested mappings.
+
+        Raises
+        ------
+        InputError
+            if it is none of them, or as :meth:`from_toml` and :meth:`from_dict`.
+        """
+        if isinstance(given, Study):
+            return given
+        if isinstance(given, str | Path):
+            return cls.from_toml(given)
+        if isinstance(given, Mapping):
+            return cls.from_dict(given)
+        raise InputError(
+            f"study = {shortened(given)} is no study of a sweep; give a Study, the path of a "
+            "study file, or its content as a dict"
+        )
+
+    def __hash__(self) -> int:
+        in_any_order = dict(sorted(self.parameters.items()))  # as two studies are compared
+        return hash((self.title, canonical_text(in_any_order), self.quantities))
 
     @cached_property
     def canonical(self) -> str:

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from standfast.errors import InputError
-from standfast.files import opened_plainly
+from standfast.files import checked_path, opened_plainly
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:
     """Return the content of a study file."""
-    path = Path(path)
+    path = checked_path("study", path)
     try:
         with io.TextIOWrapper(opened_plainly(path), encoding="utf-8") as file:
             text = file.read()

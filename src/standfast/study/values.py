@@ -15,9 +15,17 @@ from typing import Any
 import numpy as np
 
 from standfast.errors import InputError, nearest_name, shortened
-from standfast.parameters import PARAMETERS, Parameter, checked_choice, checked_number
+from standfast.parameters import (
+    OWN_BODY,
+    PARAMETERS,
+    Parameter,
+    check_bmi,
+    checked_choice,
+    checked_number,
+)
 from standfast.quantities import QUANTITIES
 from standfast.study.canonical import Value
+from standfast.study.own_body import check_own_body, is_own, laid_out
 
 RANGE_KEYS = ("start", "stop", "num", "spacing")
 SPACINGS = ("linear", "log")
@@ -76,9 +84,13 @@ def checked_parameters(content: Mapping[str, Any]) -> dict[str, Value]:
     """Check all parameters of a study under their full names, in its order; add the defaults."""
     apart = ("title", "output")
     known_keys("study", content, ("title", *_keys_of(""), "output"))
-    parameters = _in_table("", {k: given for k, given in content.items() if k not in apart})
+    given = {key: value for key, value in content.items() if key not in apart}
+    if "body" in given:
+        given["body"] = laid_out(given["body"])
+    parameters = _in_table("", given)
+    own = is_own(parameters)
     for row in PARAMETERS.values():
-        if row.default is not None and not row.unwritten:
+        if row.default is not None and not row.unwritten and not (own and row.section == "body"):
             parameters.setdefault(row.name, row.default)
     check_complete(parameters)
     return parameters
@@ -152,6 +164,11 @@ def _single(where: str, row: Parameter, given: Any) -> Any:
 
 
 def _range(where: str, row: Parameter, given: Mapping[str, Any]) -> dict[str, Any]:
+    if "step" in given:
+        raise InputError(
+            f"{where} has a step; a range has the number of its values instead: "
+            "{ start = …, stop = …, num = … }"
+        )
     known_keys(where, given, RANGE_KEYS)
     for key in ("start", "stop", "num"):
         if key not in given:
@@ -190,17 +207,30 @@ def _range(where: str, row: Parameter, given: Mapping[str, Any]) -> dict[str, An
 
 def check_complete(parameters: Mapping[str, Value]) -> None:
     """Refuse parameters of which one is missing, or that make a person of no mass at all."""
+    own = is_own(parameters)
+    of_body = {"mass", "bmi", *OWN_BODY, *(["height"] if own else [])}
     for row in PARAMETERS.values():
-        needed = row.key and row.default is None and row.name not in ("mass", "bmi")
+        needed = row.key and row.default is None and row.name not in of_body
         if needed and row.name not in parameters:
             raise InputError(f"{row.place} is missing")
+    if own:
+        check_own_body(parameters, _ends)
+    else:
+        _check_mass(parameters)
+
+
+def _check_mass(parameters: Mapping[str, Value]) -> None:
+    """Refuse a body with none or both of mass and BMI, or of no mass at all."""
     if ("mass" in parameters) == ("bmi" in parameters):
         have = "both are given" if "mass" in parameters else "neither is given"
         raise InputError(f"body needs mass or bmi, one of them; {have}")
+    heights = _ends(parameters["height"])
+    if "mass" in parameters:
+        for mass, height in itertools.product(_ends(parameters["mass"]), heights):
+            check_bmi("body.mass", height, mass)
     if "bmi" in parameters:
         row = PARAMETERS["mass"]
-        bmis, heights = _ends(parameters["bmi"]), _ends(parameters["height"])
-        for bmi, height in itertools.product(bmis, heights):
+        for bmi, height in itertools.product(_ends(parameters["bmi"]), heights):
             mass = bmi * height**2
             if not row.lowest <= mass <= row.highest:
                 raise InputError(

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from standfast.anthropometry.body import REFERENCE_PEOPLE, Body, body_of
+from standfast.anthropometry.body import Body, named_body
 from standfast.errors import InputError
 from standfast.mechanics.joints import NO_COUPLING
 from standfast.parameters import COUPLINGS, PARAMETERS
@@ -83,7 +83,7 @@ def plane_at(study: Study, index: Mapping[str, int]) -> Plane:
     values = {name: study.axes[name][i] for name, i in index.items()}
     given = {**study.fixed, **values}
     numbers = {name: float(value) for name, value in given.items() if name != "body_model"}
-    body = body_of({**numbers, "body_model": REFERENCE_PEOPLE[str(given["body_model"])]})
+    body = named_body(given)
     ankle_knee, knee_hip, ankle_hip = (numbers.get(name, 0.0) for name in COUPLINGS)
     knee, couplings = numbers.get(KNEE, np.nan), (ankle_knee, knee_hip, ankle_hip)
     return Plane(body, numbers["gravity"], knee, couplings, values, index)

@@ -4,6 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from standfast.parameters import OWN_BODY
+from standfast.population.cohort.bodies import model_of_sex
 from standfast.population.cohort.persons import CohortModel
 from standfast.population.people.builtin import AGE_CLASSES
 from standfast.population.people.records import SEXES, People
@@ -72,12 +74,13 @@ def cohort_of(study: PopulationStudy, people: People | None) -> Cohort:
         stratum = np.array([strata.index(label) for label in labels], np.float64)
     model = CohortModel(
         study.gravity,
-        str(study.content["population"]["body_model"]),
+        tuple(model_of_sex(study.content["population"]["body_model"], sex) for sex, _ in strata),
         study.subpopulations,
         tuple(sex for sex, _ in strata),
         study.content["population"]["proportions"] == "scattered",
         study.distributions,
         study.nerves if study.is_fed_back else (),
+        people is not None and OWN_BODY[0] in people.measured,
     )
     sampler = Sampler(model.coordinates, study.correlation, study.method, study.seed)
     by_weight = WeightedRows.of(people.weight) if people is not None else None

@@ -9,11 +9,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from standfast.anthropometry.body import REFERENCE_PEOPLE, Body, body_of
+from standfast.anthropometry.body import Body
 from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import Scalar, Vector, namespace
-from standfast.parameters import JOINTS, STIFFNESSES
+from standfast.parameters import JOINTS, OWN_BODY, STIFFNESSES
+from standfast.population.cohort.bodies import Models, scaled_body, with_own_segments
 from standfast.population.people.builtin import PROPORTIONS, Subpopulation
 from standfast.population.people.distributions import (
     Coordinate,
@@ -22,7 +23,7 @@ from standfast.population.people.distributions import (
     measured_of,
 )
 from standfast.stability.margins import safety_factor
-from standfast.stability.modes import growth_rate, modes
+from standfast.stability.modes import growth_rate_of, modes
 from standfast.stability.springs import critical_stiffness, verdict
 
 # The sole and the ankle: what of stature lies below the ankle, in the body models' source
@@ -35,12 +36,13 @@ class CohortModel:
     """What makes a population's persons, without seed or size; hashable, so compiled once."""
 
     gravity: float
-    body_model: str
+    body_models: Models  # of each stratum
     subpopulations: tuple[Subpopulation, ...]  # none for people of a file
     strata_sexes: tuple[str, ...]
     scattered: bool
     distributions: tuple[ParameterDistribution, ParameterDistribution, ParameterDistribution]
     nerves: Distributions = ()  # of damping, delay and gains; none where nothing is fed back
+    own_segments: bool = False  # people of the file have them, some or all
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
@@ -70,7 +72,7 @@ class CohortModel:
     def measured(self) -> list[str]:
         """Which parameters are those of the person in the file."""
         springs = tuple(zip(STIFFNESSES, self.distributions, strict=True))
-        return measured_of(springs + self.nerves)
+        return [*measured_of(springs + self.nerves), *(OWN_BODY if self.own_segments else ())]
 
     @property
     def kept(self) -> tuple[str, ...]:
@@ -110,10 +112,10 @@ def person_of(model: CohortModel, given: Mapping[str, Scalar]) -> Person:
         height, mass, stratum = _sampled(model.subpopulations, given)
     else:
         height, mass, stratum = given["height"], given["mass"], given["stratum"]
-    reference = REFERENCE_PEOPLE[model.body_model]
-    body = body_of({"body_model": reference, "height": height, "mass": mass})
+    body = scaled_body(model.body_models, stratum, height, mass)
     if model.scattered:
         body = _scattered(body, height, _scatter(model, stratum), given)
+    body = with_own_segments(body, given)
     loads, _, _ = joint_gravity(body, model.gravity)
     stiffness = [
         each.value(given.get(joint), given.get(name), load_of(name, each.relative_to, loads))
@@ -239,4 +241,4 @@ def growth(model: CohortModel, given: Mapping[str, Scalar]) -> dict[str, Scalar]
     """Return the growth rate of one person's fall (1/s), 0 where they stand."""
     person = person_of(model, given)
     found = modes(person.body, person.stiffness, model.gravity)
-    return {"growth_rate": growth_rate(found.eigenvalues[0])}
+    return {"growth_rate": growth_rate_of(found.eigenvalues[0])}

@@ -14,15 +14,18 @@ from typing import TypeAlias
 
 from standfast.errors import InputError
 from standfast.files import opened_plainly
-from standfast.parameters import DAMPINGS, GAINS, PARAMETERS, STIFFNESSES, number_in
+from standfast.parameters import DAMPINGS, GAINS, OWN_BODY, PARAMETERS, STIFFNESSES, number_in
 
 # What may have been measured of a person.
-MEASURABLE = (*STIFFNESSES, *DAMPINGS, "feedback_delay", *GAINS)
+MEASURABLE = (*STIFFNESSES, *DAMPINGS, "feedback_delay", *GAINS, *OWN_BODY)
 # How a column's name says a unit of SI.
 UNITS = {
     "N·m/rad": "{0}_nm_rad {0}_n_m_rad",
     "N·m·s/rad": "{0}_nms_rad {0}_n_m_s_rad",
     "s": "{0}_s",
+    "kg": "{0}_kg",
+    "kg·m²": "{0}_kgm2 {0}_kg_m2 {0}_kg_m",  # the last of "kg m²"
+    "m": "{0}_m",
 }
 
 # What a column can hold, with how many of its units are one of SI, and by which names it is known:
@@ -40,6 +43,8 @@ NAMES: Mapping[tuple[str, float], str] = {
     ("weight", 1.0): "weight sample_weight wtmec2yr",
     ("pregnant", 1.0): "ridexprg",
     ("feedback_delay", 1000.0): "feedback_delay_ms",
+    **{(name, 100.0): f"{name}_cm" for name in OWN_BODY if PARAMETERS[name].unit == "m"},
+    **{(name, 1000.0): f"{name}_mm" for name in OWN_BODY if PARAMETERS[name].unit == "m"},
     **{(name, 1.0): f"{name} {UNITS[PARAMETERS[name].unit].format(name)}" for name in MEASURABLE},
 }
 COLUMNS = {name: holds for holds, names in NAMES.items() for name in names.split()}

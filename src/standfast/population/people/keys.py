@@ -15,10 +15,11 @@ from standfast.population.people.records import SEXES
 from standfast.population.people.sobol import REPLICATES
 from standfast.study.values import known_keys
 
+# Who gets a body model of its own: the two sexes, and whoever is, or is known to be, neither.
+OF_SEX = (*SEXES[:2], "other")
 KEYS = ("people", "builtin", "sex", "age", "body_model", "proportions", "size", "seed", "method")
 # What is chosen by a word: the one that holds where nothing is said, and all.
 CHOICES = {
-    "body_model": ("winter", BODY_MODELS),
     "proportions": ("fixed", ("fixed", "scattered")),
     "method": ("monte-carlo", ("monte-carlo", "quasi-monte-carlo")),
 }
@@ -59,12 +60,32 @@ def checked_population(given: Any, folder: Path) -> tuple[dict[str, Any], tuple[
         checked["age"] = given["age"]
     if "builtin" in checked:
         subpopulations_of(checked)
+    checked["body_model"] = checked_body_model(
+        "population.body_model", given.get("body_model", "winter")
+    )
     for key, (default, words) in CHOICES.items():
         checked[key] = checked_word(f"population.{key}", given.get(key, default), words)
     largest = LARGEST_SIZE if checked["method"] == "monte-carlo" else LARGEST_QUASI
     checked["size"] = whole_number("size", given.get("size", 1_000_000), 1, largest)
     checked["seed"] = whole_number("seed", given.get("seed", 0), 0, 2**63 - 1)
     return checked, files
+
+
+def checked_body_model(where: str, given: Any) -> str | dict[str, str]:
+    """Check the body model of all, or a table of one for each sex; ``other`` is winter if left out.
+
+    Who has no sex in the file, or another, gets ``other``.
+    """
+    if not isinstance(given, Mapping):
+        return checked_word(where, given, BODY_MODELS, "models")
+    known_keys(where, given, OF_SEX)
+    for sex in OF_SEX[:2]:
+        if sex not in given:
+            raise InputError(f"{where} has no model for {sex}; give female and male, or one model")
+    models = {sex: given.get(sex, "winter") for sex in OF_SEX}
+    return {
+        sex: checked_word(f"{where}.{sex}", m, BODY_MODELS, "models") for sex, m in models.items()
+    }
 
 
 def whole_number(key: str, given: Any, lowest: int, highest: int) -> int:

@@ -10,6 +10,7 @@ import numpy as np
 from standfast.errors import InputError
 from standfast.parameters import PARAMETERS, Parameter, checked_number, number_in
 from standfast.population.people.csv_table import MEASURABLE, Table, hint, read_table
+from standfast.population.people.own_segments import check_body, without_some_segments
 
 SEXES = ("male", "female", "unknown")
 ADULT = 18
@@ -90,6 +91,7 @@ def read_people(
     holders = [table for table in tables if {"height", "mass"} <= set(table.columns)]
     added = _by_id(tables, holders)
     columns = {field for table in tables for field in table.columns}
+    columns, remark = without_some_segments(columns)
     _check_columns(tables[0], holders, columns, needed)
     persons: list[dict[str, object]] = []
     rejected: list[Rejection] = []
@@ -111,7 +113,7 @@ def read_people(
                 persons.append({**person, "id": joined.get("id") or str(line)})
     if not persons:
         raise InputError(_nobody(tables[0], rejected, not_selected))
-    return _people(tables, columns, persons, tuple(rejected), not_selected)
+    return _people(tables, columns, persons, tuple(rejected), not_selected, remark)
 
 
 def _joined(
@@ -132,6 +134,7 @@ def _people(
     persons: Sequence[Mapping[str, object]],
     rejected: tuple[Rejection, ...],
     not_selected: int,
+    remark: tuple[str, ...],
 ) -> People:
     """Put checked persons together, column by column."""
 
@@ -141,7 +144,8 @@ def _people(
     weight = column("weight")
     if not weight.sum() > 0.0:
         raise InputError(f"{tables[0].name}: the weights of all usable rows are 0")
-    remarks = [f"{table.name}: {remark}" for table in tables for remark in table.remarks]
+    remarks = [f"{table.name}: {each}" for table in tables for each in table.remarks]
+    remarks += [f"{tables[0].name}: {each}" for each in remark]
     if children := int((column("age") < ADULT).sum()):
         remarks.append(f"{children:,} are under {ADULT} years, and the body models are of adults")
     return People(
@@ -235,6 +239,7 @@ def _checked_person(
             if name in needed and entry.lower() in NOTHING:
                 raise InputError(f"no {name}")
             person[name] = _optional(entry, name, PARAMETERS[name])
+    check_body(person)
     return person
 
 

@@ -9,13 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from standfast.errors import InputError
-from standfast.parameters import (
-    GAINS,
-    JOINTS,
-    STANDARD_GRAVITY,
-    STIFFNESSES,
-    checked_number,
-)
+from standfast.parameters import GAINS, JOINTS, STANDARD_GRAVITY, STIFFNESSES, checked_number
 from standfast.population.people.builtin import Subpopulation
 from standfast.population.people.csv_table import digest
 from standfast.population.people.distributions import (
@@ -142,6 +136,9 @@ class PopulationStudy:
             getattr(self, name)
         if self.content["stiffness"].keys() != {*JOINTS, "correlation"}:
             raise InputError("the study has other joints")
+
+    def __hash__(self) -> int:
+        return hash((self.canonical, self.files))
 
     @cached_property
     def canonical(self) -> str:

@@ -1,0 +1,256 @@
+"""``standfast person``: verdict, thresholds, margins and modes of one person."""
+
+import argparse
+import contextlib
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from standfast.cli.parsing import add_command
+from standfast.cli.person_text import fed_back, motion, print_person
+from standfast.errors import InputError
+from standfast.parameters import (
+    JOINTS,
+    OWN_BODY,
+    PARAMETERS,
+    SEGMENT_NUMBERS,
+    SEGMENT_PARAMETERS,
+    Parameter,
+    number_in,
+)
+
+FORMATS = (".png", ".svg", ".pdf")
+# An imaginary part below it, relative to the root, is that of a real one.
+REAL = 1e-9
+# Sections of parameters of which an option takes one by its key, as --damping ankle=10.
+KEYED = {
+    "damping": "damping",
+    "feedback.proportional": "proportional",
+    "feedback.derivative": "derivative",
+}
+
+
+def add(commands: Any) -> None:
+    """Declare the command; options and their limits are those of the table of parameters."""
+    parser = add_command(
+        commands,
+        _person,
+        "verdict, thresholds, margins and modes of one person",
+        "person --height 1.66 --mass 68 --ankle 900 --knee 1500 --hip 400",
+    )
+    for row in PARAMETERS.values():
+        if row.name not in OWN_BODY and row.section not in KEYED:
+            metavar = "MODEL" if row.choices else "X"
+            parser.add_argument(_option(row), metavar=metavar, help=_help(row))
+    for part, names in SEGMENT_NUMBERS.items():
+        row = SEGMENT_PARAMETERS[part]
+        segments = ", ".join(PARAMETERS[name].key.replace("_", " ") for name in names)
+        words = f"measured: {row.meaning} ({segments}), {row.unit}; instead of height and mass"
+        metavar = ",".join("X" for _ in names)
+        parser.add_argument(f"--{part.replace('_', '-')}", metavar=metavar, help=words)
+    for section, option in KEYED.items():
+        rows = [row for row in PARAMETERS.values() if row.section == section]
+        keys = ", ".join(row.key for row in rows[:3]) + (" and so on" if len(rows) > 3 else "")
+        kind = option if option == "damping" else f"{option} gain"
+        words = f"{kind} of {keys}, {rows[0].unit}; repeatable"
+        metavar = "JOINT=X"
+        parser.add_argument(f"--{option}", action="append", default=[], metavar=metavar, help=words)
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FIGURE.png", help="draw it too (.png, .svg or .pdf)"
+    )
+    parser.add_argument("--json", action="store_true", help="everything as one JSON object")
+
+
+def _option(row: Parameter) -> str:
+    """Return the option of a parameter: its key in a study."""
+    return f"--{row.key.replace('_', '-')}"
+
+
+def _help(row: Parameter) -> str:
+    allowed = ", ".join(row.choices) or row.allowed
+    default = "" if row.default is None else f" (default: {row.default})"
+    return f"{row.meaning}, {allowed}{default}".replace("%", "%%")
+
+
+def _person(options: argparse.Namespace) -> None:
+    from standfast.study.canonical import json_value
+
+    if options.output is not None and options.output.suffix not in FORMATS:
+        raise InputError(
+            f"{options.output} is not the name of a figure; end it in .png, .svg or .pdf"
+        )
+    given = _given(options)
+    facts = _facts(given)
+    if options.output is not None:
+        _draw(options.output, given, facts)
+    if options.json:
+        print(json.dumps(json_value(facts), ensure_ascii=False, allow_nan=False))
+        return
+    print_person(given, facts)
+    if options.output is not None:
+        print(f"\nWritten: {options.output}")
+
+
+def _given(options: argparse.Namespace) -> dict[str, Any]:
+    """Check what the options say, by the border of a study; return parameters by name."""
+    from standfast.study.values import checked_parameters
+
+    content: dict[str, Any] = {}
+    for row in PARAMETERS.values():
+        if row.name not in OWN_BODY and row.section not in KEYED:
+            text = getattr(options, row.key)
+            if text is not None:
+                _put(content, row.section, row.key, text if row.choices else _plain(text))
+    for part in SEGMENT_NUMBERS:
+        if (text := getattr(options, part)) is not None:
+            _put(content, "body", part, [_plain(number) for number in text.split(",")])
+    for section, option in KEYED.items():
+        for text in getattr(options, option):
+            key, equals, number = text.partition("=")
+            if not equals:
+                raise InputError(f"--{option} {text} is not JOINT=NUMBER, as ankle=30")
+            _put(content, section, key, _plain(number))
+    content.setdefault("body", {})
+    try:
+        return checked_parameters(content)
+    except InputError as error:
+        raise InputError(_of_options(str(error))) from None
+
+
+def _put(content: dict[str, Any], section: str, key: str, value: Any) -> None:
+    table = content
+    for name in section.split(".") if section else ():
+        table = table.setdefault(name, {})
+    table[key] = value
+
+
+def _plain(text: str) -> float | str:
+    """Return a number; what is none goes to the check as the words that they are."""
+    with contextlib.suppress(ValueError):
+        return text if math.isnan(number_in(text)) else number_in(text)
+    return text
+
+
+def _of_options(sentence: str) -> str:
+    """Name an option instead of the place in a study that a message begins with."""
+    for section, option in KEYED.items():
+        if sentence.startswith(f"[{section}]"):
+            return sentence.replace(f"[{section}]", f"--{option}", 1)
+    for part in SEGMENT_NUMBERS:
+        sentence = sentence.replace(f"body.{part}", f"--{part.replace('_', '-')}")
+    sentence = sentence.removeprefix("[body]: ")
+    if sentence.startswith("body needs"):
+        return sentence.replace("body needs mass or bmi, one of them", "give --mass or --bmi")
+    for row in sorted(PARAMETERS.values(), key=lambda row: -len(row.place)):
+        if row.key and sentence.startswith(row.place):
+            option = f"--{KEYED[row.section]} {row.key}" if row.section in KEYED else _option(row)
+            more = ""
+            if sentence.endswith("is missing") and row.or_rigid:
+                more = f"; for a rigid {row.key} write {option} inf"
+            elif sentence.endswith("is missing"):
+                more = ", or give the person's own segments (--segment-mass and so on)"
+            return option + sentence.removeprefix(row.place) + more
+    return sentence
+
+
+def _facts(given: dict[str, Any]) -> dict[str, Any]:
+    """Find everything about the person; what rounding leaves open is None."""
+    from standfast.mechanics.matrices import joint_gravity
+    from standfast.stability.feedback import is_stable
+    from standfast.stability.margins import safety_factor, stiffness_reserve
+    from standfast.stability.modes import frequency_of, growth_rate_of, modes
+    from standfast.stability.springs import critical_stiffness
+
+    person = _who(given)
+    of = (person.body, person.stiffness, person.gravity)
+    alone = joint_gravity(person.body, person.gravity)[0]
+    found = modes(*of)
+    finite = [
+        (float(v), s)
+        for v, s in zip(found.eigenvalues, found.shapes.T, strict=True)
+        if math.isfinite(v)
+    ]
+    return {
+        "given": given,
+        "body": {name: part.tolist() for name, part in person.body._asdict().items()},
+        "stands_by_springs": is_stable(*of),
+        "stiffness": dict(zip(JOINTS, map(float, person.stiffness.joints), strict=True)),
+        "thresholds": dict(zip(JOINTS, critical_stiffness(*of).joints, strict=True)),
+        "thresholds_alone": dict(zip(JOINTS, map(float, alone), strict=True)),
+        "safety_factor": float(safety_factor(*of)),
+        "stiffness_reserve": float(stiffness_reserve(*of)),
+        "modes": [
+            {
+                "eigenvalue": value,
+                "frequency": float(frequency_of(value)),
+                "growth_rate": float(growth_rate_of(value)),
+                "rotations": dict(zip(JOINTS, (shape + 0.0).tolist(), strict=True)),
+            }
+            for value, shape in finite
+        ],
+        **_fed_back(given),
+    }
+
+
+def _who(given: dict[str, Any]) -> Any:
+    from standfast.anthropometry.body import REFERENCE_PEOPLE
+    from standfast.quantities import Person
+
+    reference = {k: REFERENCE_PEOPLE[v] for k, v in given.items() if k == "body_model"}
+    return Person.of({**given, **reference})
+
+
+def _fed_back(given: dict[str, Any]) -> dict[str, Any]:
+    """Find what becomes of the person with damping and feedback, if any is given."""
+    from standfast.mechanics.feedback import Feedback, damping_rows, delay_of, gain_rows
+    from standfast.stability import feedback as delayed
+
+    if not fed_back(given):
+        return {}
+    person = _who(given)
+    proportional, derivative = (gain_rows(given, kind) for kind in ("proportional", "derivative"))
+    late = Feedback(proportional, derivative, delay_of(given))
+    of = (person.body, person.stiffness, person.gravity)
+    more = {"damping": [list(row) for row in damping_rows(given)], "feedback": late}
+
+    def unless_open(function: Callable[..., Any]) -> Any:
+        try:
+            return function(*of, **more)
+        except ArithmeticError:  # rounding leaves it open, or a root is not proven
+            return None
+
+    critical = unless_open(delayed.critical_delay)
+    root = unless_open(delayed.rightmost_root)
+    return {
+        "stands_with_feedback": unless_open(delayed.is_stable),
+        "critical_delay": critical,
+        "delay_margin": None if critical is None else critical - late.delay,
+        "unstable_roots": unless_open(delayed.unstable_roots),
+        "rightmost_root": None if root is None else [root.real, _unless_rounding(root)],
+    }
+
+
+def _draw(path: Path, given: dict[str, Any], facts: dict[str, Any]) -> None:
+    from standfast.figures.person import draw_person
+
+    if not facts["modes"]:
+        raise InputError("three rigid joints do not move, so there is nothing to draw")
+    (mode, *_) = facts["modes"]
+    verb = "stands" if facts["stands_by_springs"] else "falls"
+    alone = " by springs alone" if "critical_delay" in facts else ""
+    draw_person(
+        path,
+        _who(given).body,
+        given.get("height"),
+        rotation=tuple(mode["rotations"].values()),
+        words=(motion(mode), f"{verb}{alone}, safety factor {facts['safety_factor']:.3f}"),
+        stiffness=facts["stiffness"],
+        thresholds=facts["thresholds"],
+    )
+
+
+def _unless_rounding(root: complex) -> float:
+    """Return the imaginary part of a root, or 0 where it is rounding of a real one."""
+    return root.imag if root.imag > REAL * abs(root) else 0.0

@@ -1,0 +1,6 @@
+"""The one table of quantities."""
+
+from standfast.quantities.of_feedback import OF_FEEDBACK
+from standfast.quantities.of_springs import OF_SPRINGS
+
+QUANTITIES = {row.name: row for row in (*OF_SPRINGS, *OF_FEEDBACK)}

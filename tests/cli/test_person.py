@@ -1,0 +1,178 @@
+"""``standfast person``: the same numbers as the library, in words, as JSON and drawn."""
+
+import json
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import standfast as sf
+from standfast.cli.app import main
+from standfast.figures.person import draw_person, stiffness_bars
+from standfast.figures.style import paper_figure
+from standfast.parameters import JOINTS, PARAMETERS, SEGMENT_NUMBERS
+
+PERSON = "person --height 1.66 --mass 68 --ankle 900 --knee 1500 --hip 400"
+MEASURED = (
+    "person --segment-mass 5.6,14.2,46.8 --segment-inertia 0.085,0.24,2.72"
+    " --segment-length 0.385,0.405 --segment-com 0.22,0.235,0.344"
+    " --ankle 900 --knee 1500 --hip 400"
+)
+FED_BACK = (
+    "person --height 1.8 --bmi 24 --model de-leva-male --gravity 9.81 --ankle 600 --knee inf"
+    " --hip 900 --ankle-hip 20 --damping ankle=40 --damping hip=40"
+    " --proportional ankle=500 --proportional ankle_hip=50 --derivative ankle=200 --delay 0.05"
+)
+
+
+def said(capsys, command, code=0):
+    assert main(command.split()) == code
+    out, err = capsys.readouterr()
+    return err if code else out
+
+
+def test_the_verdict_with_measured_segments_differs(capsys):
+    text = said(capsys, PERSON)
+    assert text.startswith(
+        "1.66 m, 68 kg, winter; gravity 9.80665 m/s²\n\nStands: safety factor 1.05 "
+    )
+    assert "sways at 0.108 Hz" in text
+    text = said(capsys, MEASURED)
+    assert text.startswith("own segments, 66.6 kg without the feet; gravity")
+    assert "Falls: safety factor 0.9707" in text
+    assert "falls, doubles in 1.34 s" in text
+
+
+def test_json_holds_the_numbers_of_the_library(capsys):
+    found = json.loads(said(capsys, FED_BACK + " --json"))
+    body = sf.Body.from_height_mass(1.8, 24 * 1.8**2, "de-leva-male")
+    stiffness = sf.Stiffness(600, math.inf, 900, ankle_hip=20)
+    gains = np.zeros((3, 3))
+    gains[0, 0], gains[0, 2] = 500.0, 50.0
+    nerves = {"damping": (40, 0, 40), "feedback": sf.Feedback(gains, (200, 0, 0), 0.05)}
+    person = (body, stiffness, 9.81)
+    assert found["stands_by_springs"] is sf.is_stable(*person)
+    assert found["stands_with_feedback"] is sf.is_stable(*person, **nerves)
+    assert found["critical_delay"] == sf.critical_delay(*person, **nerves)
+    assert found["delay_margin"] == found["critical_delay"] - 0.05
+    assert found["unstable_roots"] == sf.unstable_roots(*person, **nerves)
+    root = sf.rightmost_root(*person, **nerves)
+    assert found["rightmost_root"] == [root.real, root.imag]
+    assert found["safety_factor"] == sf.safety_factor(*person)
+    assert found["stiffness_reserve"] == sf.stiffness_reserve(*person)
+    assert found["stiffness"] == {"ankle": 600.0, "knee": "inf", "hip": 900.0}
+    thresholds = sf.critical_stiffness(*person).joints
+    assert [float(found["thresholds"][joint]) for joint in JOINTS] == list(map(float, thresholds))
+    modes = sf.modes(*person)
+    assert [mode["eigenvalue"] for mode in found["modes"]] == modes.eigenvalues[:2].tolist()
+    shapes = [list(mode["rotations"].values()) for mode in found["modes"]]
+    np.testing.assert_array_equal(shapes, modes.shapes.T[:2])
+    assert found["body"]["segment_mass"] == body.segment_mass.tolist()
+
+
+def test_every_parameter_of_the_table_has_its_option(capsys):
+    with pytest.raises(SystemExit):
+        main(["person", "--help"])
+    text = " ".join(capsys.readouterr().out.split())
+    assert "example: standfast person --height 1.66" in text
+    for row in PARAMETERS.values():
+        if row.section.startswith(("damping", "feedback.", "body.")):
+            continue
+        assert f"--{row.key.replace('_', '-')} " in text
+        assert (
+            "edwards2007" in text if row.choices else f"{row.lowest:g} to {row.highest:g}" in text
+        )
+    for part in SEGMENT_NUMBERS:
+        assert f"--{part.replace('_', '-')}" in text
+
+
+@pytest.mark.parametrize(
+    ("command", "sentence"),
+    [
+        (PERSON.replace("1.66", "166"), "--height = 166 is outside the allowed range, 0.5 to 2.8"),
+        (PERSON.replace("--height 1.66", ""), "--height is missing, or give the person's own seg"),
+        (PERSON.replace("--mass 68", ""), "give --mass or --bmi; neither is given"),
+        (PERSON + " --bmi 24", "give --mass or --bmi; both are given"),
+        (PERSON.replace("--hip 400", ""), "--hip is missing; for a rigid hip write --hip inf"),
+        (PERSON.replace("400", "-4"), "--hip = -4 is outside the allowed range, 0 to 1e+12"),
+        (PERSON.replace("400", "4OO"), "--hip = '4OO' is text; give a number"),
+        (PERSON.replace("400", "nan"), "--hip = 'nan' is text; give a number"),
+        (PERSON + " --model wintr", "--model = 'wintr' is not a body model; did you mean 'winter'"),
+        (PERSON + " --damping ankel=3", "--damping has no key 'ankel'; did you mean 'ankle'?"),
+        (PERSON + " --damping 3", "--damping 3 is not JOINT=NUMBER, as ankle=30"),
+        (PERSON + " --damping ankle=-3", "--damping ankle = -3 is outside the allowed range"),
+        (PERSON + " --delay 100", "--delay = 100 is outside the allowed range, 0 to 10 s; 100 lo"),
+        (PERSON + " -o figure.jpg", "figure.jpg is not the name of a figure; end it in .png"),
+        (PERSON + " --segment-mass 5,14,46", "[body] has own segments and height and mass; give"),
+        (MEASURED.replace("46.8", "46.8,1"), "--segment-mass = [5.6, 14.2, 46.8, 1.0] is not 3"),
+        (MEASURED.replace("0.22,", "0.52,"), "the centre of mass of the shank lies 0.52 m above"),
+        (MEASURED.replace("--segment-com 0.22,0.235,0.344", ""), "--segment-com.shank is missing;"),
+        (PERSON.replace("900", "inf").replace("1500", "inf").replace("400", "inf") + " -o a.png",
+         "three rigid joints do not move, so there is nothing to draw"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_said_by_its_option(capsys, command, sentence):
+    assert f"standfast: {sentence}" in said(capsys, command, code=2)
+
+
+def test_what_cannot_be_helped_is_said(capsys):
+    text = said(capsys, "person --height 1.8 --mass 80 --ankle 100 --knee 100 --hip 100")
+    assert "no joint alone suffices" in text
+    text = said(capsys, "person --height 1.8 --mass 80 --ankle inf --knee inf --hip inf")
+    assert "Stands: every joint is rigid." in text
+    assert "none: all three joints are rigid" in text
+
+
+def test_it_needs_neither_jax_nor_matplotlib():
+    code = (
+        f"import sys; from standfast.cli.app import main; main({FED_BACK.split()!r})\n"
+        "heavy = {'jax', 'matplotlib', 'h5py'} & set(sys.modules)\n"
+        "sys.exit(f'imported {heavy}' if heavy else 0)"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
+    assert result.returncode == 0, result.stderr
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+def test_the_figure_is_drawn_in_the_format_of_its_name(tmp_path, capsys, suffix):
+    path = tmp_path / f"a.person.{suffix}"
+    text = said(capsys, f"{MEASURED} -o {path}")
+    assert text.endswith(f"Written: {path}\n")
+    first = path.read_bytes()
+    assert first.startswith({"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[suffix])
+    said(capsys, f"{MEASURED} -o {path}")
+    assert path.read_bytes() == first
+
+
+def test_bars_say_what_is_there_and_what_is_needed():
+    with paper_figure() as (_, (ax,)):
+        stiffness_bars(
+            ax,
+            {"ankle": 900.0, "knee": math.inf, "hip": 400.0},
+            {"ankle": 700.0, "knee": 1e5, "hip": math.inf},
+        )
+        assert [text.get_text() for text in ax.texts] == [
+            "900, needs 700", "rigid, needs 1e+05", "400, no stiffness suffices",
+        ]  # fmt: skip
+        widths = [bar.get_width() for bar in ax.patches]
+        assert widths == [900.0, 2700.0, 400.0]  # a threshold far away does not flatten them
+        assert [bool(bar.get_hatch()) for bar in ax.patches] == [False, False, True]
+        marks = [line.get_xdata()[0] for line in ax.lines]
+        assert marks == [700.0, 2700.0]
+
+
+def test_a_head_is_where_the_height_says(tmp_path, monkeypatch):
+    drawn = {}
+    monkeypatch.setattr(
+        "standfast.figures.person.sway_pattern",
+        lambda ax, lengths, rotation: drawn.update(lengths=lengths, rotation=rotation),
+    )
+    body = sf.Body.from_height_mass(1.8, 80.0)
+    joints = dict.fromkeys(JOINTS, 900.0)
+    draw_person(tmp_path / "a.png", body, 1.8, rotation=(1.0, 0.5, -3.0), words=("a", "b"),
+                stiffness=joints, thresholds=joints)  # fmt: skip
+    assert sum(drawn["lengths"]) == pytest.approx(1.8 * 0.961, rel=1e-12)
+    # the joint that turns most turns by 10°
+    np.testing.assert_allclose(np.degrees(drawn["rotation"]), (10 / 3, 5 / 3, -10), rtol=1e-12)

@@ -1,0 +1,49 @@
+"""The examples of the documentation run, and say what they are said to say."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import standfast as sf
+from standfast.quantities import QUANTITIES
+
+DOCS = Path(__file__).parents[1] / "docs"
+
+
+@pytest.fixture
+def names(monkeypatch):
+    """What the page has defined at its end."""
+    monkeypatch.setitem(QUANTITIES, "hip_moment", None)  # is taken away again after the test
+    del QUANTITIES["hip_moment"]
+    blocks = re.findall(
+        r"```python\n(.*?)```", (DOCS / "in-python.md").read_text("utf-8"), re.DOTALL
+    )
+    space: dict = {}
+    for block in blocks:
+        exec(block, space)  # noqa: S102 - the code of our own page
+    return space
+
+
+def test_the_page_on_python_runs(names):
+    assert names["can"].sum() > 900
+    ankle, height, mass = names["ankle"], names["height"], names["mass"]
+    for k, h, m in zip(ankle[:20], height, mass, strict=False):
+        body = sf.Body.from_height_mass(float(h), float(m), "de-leva-female")
+        stiffness = sf.Stiffness(float(k), 2000.0, 800.0)
+        assert sf.safety_factor(body, stiffness, gravity=9.81) == pytest.approx(1.1, rel=1e-9)
+    assert names["stand"].tolist() == [True, False]
+    step, K = 1e-6, names["K"]
+    for body, slope in zip(names["bodies"], names["slopes"].segment_com[:, 2], strict=True):
+        ends = [
+            sf.critical_stiffness(
+                body._replace(segment_com=body.segment_com + np.array([0, 0, d])), K
+            ).ankle
+            for d in (-step, step)
+        ]
+        assert slope == pytest.approx((ends[1] - ends[0]) / (2 * step), rel=1e-6)
+    body = sf.Body.from_height_mass(2.0, 120.0)
+    upper = 9.80665 * body.segment_mass[2] * body.segment_com[2]
+    found = float(names["ds"].hip_moment.sel(bmi=30, height=2.0))
+    np.testing.assert_allclose(found, np.radians(upper), rtol=1e-12)

@@ -61,6 +61,7 @@ LATE = {
     ("standfast.atlas.memory", "xarray"),
     ("standfast.atlas.reader", "h5netcdf"),
     ("standfast.atlas.reader", "xarray"),
+    ("standfast.population.people.decoding", "pandas"),
     ("standfast", "?"),
 }
 

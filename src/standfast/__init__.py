@@ -33,8 +33,11 @@ if TYPE_CHECKING:
     from standfast.atlas.reader import Atlas
     from standfast.atlas.sweeping import sweep
     from standfast.mechanics.laws import LAWS
+    from standfast.population.assess import assess
+    from standfast.population.people.records import read_people
     from standfast.population.people.study import PopulationStudy
     from standfast.population.simulation import simulate
+    from standfast.population.summary.file import open_population
 
 # Where the names lie that need h5py or JAX, or are read once in a while; imported when they are
 # first asked for.
@@ -45,6 +48,9 @@ LAZY = {
     "compute": "standfast.atlas.memory",
     "sweep": "standfast.atlas.sweeping",
     "PopulationStudy": "standfast.population.people.study",
+    "assess": "standfast.population.assess",
+    "open_population": "standfast.population.summary.file",
+    "read_people": "standfast.population.people.records",
     "simulate": "standfast.population.simulation",
 }
 
@@ -60,6 +66,7 @@ __all__ = [
     "Stiffness",
     "Study",
     "__version__",
+    "assess",
     "compute",
     "critical_delay",
     "critical_stiffness",
@@ -73,7 +80,9 @@ __all__ = [
     "kinetic_energy",
     "modes",
     "open_atlas",
+    "open_population",
     "potential_energy",
+    "read_people",
     "rightmost_root",
     "safety_factor",
     "simulate",

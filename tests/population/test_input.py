@@ -216,7 +216,7 @@ def test_one_bad_row_among_thousands_is_left_out_and_told(tmp_path):
         ("height,mass\n1.7,\n", "line 2: no mass"),
         ("height,mass\n1.7,-70\n", "line 2: mass = -70 is outside the allowed range"),
         ("height,mass\n1.7,nan\n", "line 2: no mass"),
-        ("height,mass,sex\n1.7,70,x\n", "line 2: sex = 'x' is not known; write male or female"),
+        ("height,mass,sex\n1.7,70,y\n", "line 2: sex = 'y' is not known; write male, female or"),
         ("height,mass,weight\n1.7,70,-1\n", "line 2: weight = -1 is outside the allowed range"),
         ("height,mass,weight\n1.7,70,0\n", "the weights of all usable rows are 0"),
         ("height,height_cm,mass\n1,2,3\n", "the columns 'height' and 'height_cm' both hold height"),
@@ -306,7 +306,7 @@ def test_what_a_user_may_not_have_meant_is_remarked(tmp_path):
     assert people.id == ("Jo",)
     assert people.remarks == (
         "people.csv: the column 'ankle_stiffnes' is not used; did you mean 'ankle_stiffness'?",
-        "1 are under 18 years, and the body models are of adults",
+        "1 is under 18 years, and the body models are of adults",
     )
 
 

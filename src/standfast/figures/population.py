@@ -11,7 +11,7 @@ from matplotlib.ticker import PercentFormatter
 
 from standfast.figures.style import BLUE, GREY, LINE_STYLES, VERMILION, paper_figure, save
 from standfast.parameters import JOINTS, PARAMETERS
-from standfast.population.people.records import SEXES
+from standfast.population.people.words import SEXES
 from standfast.population.summary.arrays import AGES
 from standfast.population.summary.file import Population
 from standfast.quantities import QUANTITIES

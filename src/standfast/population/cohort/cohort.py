@@ -6,10 +6,11 @@ import numpy as np
 
 from standfast.population.cohort.persons import CohortModel
 from standfast.population.people.builtin import AGE_CLASSES
-from standfast.population.people.records import SEXES, People
+from standfast.population.people.records import People
 from standfast.population.people.sampling import Sampler
 from standfast.population.people.sobol import aligned
 from standfast.population.people.study import PopulationStudy
+from standfast.population.people.words import SEXES
 
 GUIDE_CELLS = 64  # of the table by which a row is found from a uniform number, for each row
 

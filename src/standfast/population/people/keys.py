@@ -9,10 +9,10 @@ from typing import Any
 from standfast.errors import InputError, nearest_name
 from standfast.parameters import BODY_MODELS
 from standfast.population.people.builtin import PARTITION, POPULATIONS, Subpopulation
-from standfast.population.people.csv_table import digest
+from standfast.population.people.decoding import digest
 from standfast.population.people.distributions import checked_word
-from standfast.population.people.records import SEXES
 from standfast.population.people.sobol import REPLICATES
+from standfast.population.people.words import SEXES
 from standfast.study.values import known_keys
 
 KEYS = ("people", "builtin", "sex", "age", "body_model", "proportions", "size", "seed", "method")

@@ -17,7 +17,7 @@ from standfast.parameters import (
     checked_number,
 )
 from standfast.population.people.builtin import Subpopulation
-from standfast.population.people.csv_table import digest
+from standfast.population.people.decoding import digest
 from standfast.population.people.distributions import (
     Distributions,
     ParameterDistribution,

@@ -10,8 +10,8 @@ from standfast.parameters import JOINTS
 from standfast.population.cohort.histograms import BMI_EDGES, HEIGHT_EDGES
 from standfast.population.cohort.persons import kept_of
 from standfast.population.people.builtin import AGE_CLASSES, ANSUR, NHANES
-from standfast.population.people.records import SEXES
 from standfast.population.people.study import PopulationStudy
+from standfast.population.people.words import SEXES
 from standfast.quantities import QUANTITIES
 
 # Shares of the population that are to stand, for which the stiffness is asked, or the delay.

@@ -19,8 +19,8 @@ from standfast.population.cohort.histograms import (
     signed_bin_edges,
 )
 from standfast.population.people.builtin import SOURCES
-from standfast.population.people.records import SEXES
 from standfast.population.people.study import PopulationStudy
+from standfast.population.people.words import SEXES
 from standfast.population.summary.arrays import AGES, STANDING_SHARES
 from standfast.population.summary.estimators import (
     CONFIDENCE,

@@ -13,8 +13,8 @@ import numpy as np
 from standfast.atlas.layout import set_attributes, set_text
 from standfast.atlas.writer import reserve
 from standfast.parameters import JOINTS, PARAMETERS, STIFFNESS_UNIT
-from standfast.population.people.records import SEXES
 from standfast.population.people.study import PopulationStudy
+from standfast.population.people.words import SEXES
 from standfast.population.summary.arrays import (
     AGES,
     GROWTH,

@@ -7,14 +7,14 @@ notation: γs, γt, γb gravity loads.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
 from standfast.anthropometry.body import REFERENCE_PEOPLE, Body, ReferencePerson, body_of
-from standfast.mechanics.matrices import gravity_loads
+from standfast.mechanics.matrices import gravity_loads, joint_gravity
 from standfast.numerics.arrays import ROUNDOFF
 from standfast.parameters import COUPLINGS
 from standfast.stability.springs import off_diagonal
@@ -56,3 +56,57 @@ def exact_threshold(parameters: Mapping[str, Any]) -> Fraction | None:
             return None
         at_ankle += ankle_knee**2 / rest
     return Fraction(at_ankle)
+
+
+def stands_exactly(
+    body: Body, gravity: float, numbers: np.ndarray, loads: Sequence[int | None]
+) -> np.ndarray:
+    """Return the exact verdicts (persons,) of persons who may stand right at their thresholds.
+
+    ``body`` holds arrays (segments, persons); ``numbers`` (3, persons) are the stiffnesses of
+    ankle, knee and hip (N·m/rad, ``inf`` is rigid), or multiples of the joint's load that ``loads``
+    names: 0, 1, 2 for G1, G2, G3, None for none. A person stands if the minors of C, less the rows
+    and columns of rigid joints, are positive from the hip up; with integers that is exact, and so a
+    stiffness of once the load is neither above nor below it.
+    """
+    if not numbers.size:
+        return np.zeros(0, bool)
+    lengths, length_unit = _integers(np.concatenate([body.segment_length, body.segment_com]))
+    masses, mass_unit = _integers(np.asarray(body.segment_mass))
+    g, gravity_unit = _integers(np.array([gravity]))
+    whole = Body._make((masses, masses, lengths[:2], lengths[2:]))
+    rows = joint_gravity(whole, g[0])
+    unit = length_unit + mass_unit + gravity_unit
+    rigid = np.isinf(numbers)
+    given, number_unit = _integers(np.where(rigid, 0.0, numbers))
+    # all in the smaller of the two units: that of multiples of loads, and that of N·m/rad
+    smallest = min(unit + number_unit, number_unit, unit)
+    finer = [[entry * 2 ** (unit - smallest) for entry in row] for row in rows]
+    springs = [
+        each * 2 ** (number_unit - smallest)
+        if load is None
+        else each * rows[load][load] * 2 ** (unit + number_unit - smallest)
+        for each, load in zip(given, loads, strict=True)
+    ]
+    (c11, c12, c13), (_, c22, c23), (_, _, c33) = (
+        [(springs[i] if i == j else 0) - finer[i][j] for j in range(3)] for i in range(3)
+    )
+    no_ankle, no_knee, no_hip = rigid
+    # a rigid joint is taken out: its row and column are those of 1
+    c22, c33 = np.where(no_knee, 1, c22), np.where(no_hip, 1, c33)
+    c12, c13 = np.where(no_knee, 0, c12), np.where(no_hip, 0, c13)
+    c23 = np.where(no_knee | no_hip, 0, c23)
+    upper = c22 * c33 - c23 * c23
+    all_three = c11 * upper - c12 * (c12 * c33 - c23 * c13) + c13 * (c12 * c23 - c22 * c13)
+    stands: np.ndarray = (c33 > 0) & (upper > 0) & (no_ankle | (all_three > 0))
+    return stands.astype(bool)
+
+
+def _integers(numbers: np.ndarray) -> tuple[np.ndarray, int]:
+    """Return whole numbers of Python, and the exponent of the power of two that they count."""
+    mantissa, exponent = np.frexp(numbers)
+    used = exponent[numbers != 0.0]
+    lowest = int(used.min()) if used.size else 0
+    whole = (mantissa * 2.0**53).astype(np.int64).astype(object)
+    more = np.where(numbers != 0.0, exponent - lowest, 0).astype(object)
+    return whole * 2**more, lowest - 53

@@ -11,6 +11,7 @@ from standfast.parameters import JOINTS
 from standfast.population.cohort.cohort import Cohort
 from standfast.population.cohort.nerves import delay_margins
 from standfast.population.cohort.persons import margins
+from standfast.population.cohort.settling import settle_persons
 from standfast.population.people.sampling import Sampler
 from standfast.population.people.sections import NERVES
 from standfast.population.people.sobol import REPLICATES, sobol_block
@@ -31,8 +32,7 @@ def drivers_of(cohort: Cohort, seed: int) -> dict[str, dict[str, Any]]:
     dimensions = 2 * len(cohort.sampler.coordinates)
     margin = "delay_margin" if cohort.model.nerves else "safety_factor"
     outputs: dict[str, list[list[np.ndarray]]] = {"unstable": [], margin: []}
-    of_springs = map_over_batch(margins, cohort.model, cohort.names)
-    of_margins = partial(delay_margins, cohort) if cohort.model.nerves else of_springs
+    of_margins = partial(delay_margins if cohort.model.nerves else _of_springs, cohort)
     slow = cohort.model.nerves and cohort.model.free_joints > 1
     size = FED_BACK_SIZE if slow else SENSITIVITY_SIZE
     for replicate in range(REPLICATES):
@@ -49,6 +49,14 @@ def drivers_of(cohort: Cohort, seed: int) -> dict[str, dict[str, Any]]:
             collected.append([each[name] for each in found])
     # replicate, sample, person
     return {name: _drivers(name, factors, np.array(values)) for name, values in outputs.items()}
+
+
+def _of_springs(cohort: Cohort, numbers: np.ndarray) -> dict[str, np.ndarray]:
+    """Return :func:`.margins` of many persons, settled where rounding could decide."""
+    found = map_over_batch(margins, cohort.model, cohort.names)(numbers)
+    found["stable"] = found["unstable"] == 0.0
+    settle_persons(cohort, numbers, found)
+    return {**found, "unstable": np.where(found["stable"], 0.0, 1.0)}
 
 
 def _drivers(name: str, factors: Iterable[str], values: np.ndarray) -> dict[str, Any]:

@@ -53,6 +53,7 @@ USES_HDF5 = {
     "standfast.atlas.reader",
     "standfast.atlas.writer",
     "standfast.population.simulation",
+    "standfast.population.summary.keeping",
     "standfast.population.summary.writing",
     "standfast.thresholds.tables",
 }

@@ -81,7 +81,8 @@ def count_block(study: PopulationStudy, cohort: Cohort, block: Block) -> Counts:
         counts |= _details(found)
         counts["growth_rate"] = _growth_rates(cohort, numbers, fallen)
     counts |= _rows(cohort, variates, fallen)
-    return Counts(counts, _persons(cohort, numbers, size) if study.keeps_persons else b"")
+    kept = _persons(cohort, variates, numbers, size) if study.keeps_persons else b""
+    return Counts(counts, kept)
 
 
 def _rows(cohort: Cohort, variates: np.ndarray, fallen: np.ndarray) -> dict[str, np.ndarray]:
@@ -122,7 +123,7 @@ def _count_fed_back(
         ),
         **_rows(cohort, variates, fallen),
     }
-    return Counts(counts, _kept(cohort, found) if study.keeps_persons else b"")
+    return Counts(counts, _kept(cohort, variates, found) if study.keeps_persons else b"")
 
 
 def _load_sums(found: Mapping[str, np.ndarray]) -> np.ndarray:
@@ -160,15 +161,23 @@ def _growth_rates(cohort: Cohort, numbers: np.ndarray, fallen: np.ndarray) -> np
     return counted(bin_of(rates[: rows.size]))
 
 
-def _persons(cohort: Cohort, numbers: np.ndarray, size: int) -> bytes:
+def _persons(cohort: Cohort, variates: np.ndarray, numbers: np.ndarray, size: int) -> bytes:
     """Return what is kept of every person, as columns of float64."""
     mapped = map_over_batch(outcome, cohort.model, cohort.names)(numbers)
     found = {name: values[:size] for name, values in mapped.items()}
     settle_persons(cohort, numbers, found)
-    return np.array([found[name] for name in cohort.model.kept], np.float64).tobytes()
+    return _columns(cohort, variates, found)
 
 
-def _kept(cohort: Cohort, found: FedBackPersons) -> bytes:
+def _columns(cohort: Cohort, variates: np.ndarray, found: Mapping[str, np.ndarray]) -> bytes:
+    """Return what is kept of persons, and which rows of a file they are, as float64."""
+    columns = dict(found)
+    if cohort.rows:
+        columns["row"] = cohort.rows_of(variates)[: found["stable"].size]
+    return np.array([columns[name] for name in cohort.kept], np.float64).tobytes()
+
+
+def _kept(cohort: Cohort, variates: np.ndarray, found: FedBackPersons) -> bytes:
     """Return what is kept of every person with feedback, as columns of float64."""
     columns = {**found.numbers, "critical_delay": found.critical_delay, "stable": found.stands}
-    return np.array([columns[name] for name in cohort.model.kept], np.float64).tobytes()
+    return _columns(cohort, variates, columns)

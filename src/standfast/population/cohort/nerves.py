@@ -56,6 +56,7 @@ def equation(model: CohortModel, given: Mapping[str, Scalar]) -> dict[str, Scala
         **{f"load_{joint}": load for joint, load in zip(JOINTS, loads, strict=True)},
         "height": person.height,
         "mass": person.mass,
+        "stratum": person.stratum,
         "near": near(model, person),
     }
 

@@ -16,7 +16,7 @@ from standfast.population.summary.arrays import GROWTH, Layout, arrays_of, layou
 
 FORMAT = "standfast population"
 # Of springs alone, and with feedback, whose file holds other arrays.
-FORMAT_VERSION, FED_BACK_VERSION = 1, 2
+FORMAT_VERSION, FED_BACK_VERSION = 3, 4
 ROUNDING = 1e-9  # by which a share may pass 0 or 1
 
 

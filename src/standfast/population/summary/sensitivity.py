@@ -15,11 +15,12 @@ from standfast.population.cohort.settling import settle_persons
 from standfast.population.people.sampling import Sampler
 from standfast.population.people.sections import NERVES
 from standfast.population.people.sobol import REPLICATES, sobol_block
-from standfast.population.summary.estimators import NoVarianceError, sobol_indices
+from standfast.population.summary.estimators import sobol_indices
 
 SENSITIVITY_SIZE = 2**13  # persons a scrambling, on which sensitivity is asked
 FED_BACK_SIZE = 2**11  # the same with feedback of several free joints, where a person takes longer
 FEWEST_EVENTS = 200  # falls or non-falls, below which indices of falling are chance
+SAME = 1e-12  # a relative spread that is rounding
 SENSITIVITY_SEED = 2**63  # added to the study's, so that sensitivity has numbers of its own
 
 
@@ -66,11 +67,14 @@ def _drivers(name: str, factors: Iterable[str], values: np.ndarray) -> dict[str,
         return {"remark": f"{few}, too few to say what drives it"}
     if not np.isfinite(values).all():
         return {"remark": f"{name} is infinite for some persons, so it has no variance to explain"}
-    try:
-        indices = sobol_indices(values[:, 0], values[:, 1], values[:, 2:])
-    except NoVarianceError:
-        same = f"{values.flat[0]:.4g}"
-        return {"remark": f"{name} is {same} for all {values.size:,} looked at; nothing drives it"}
+    low, high = float(values.min()), float(values.max())
+    if high - low <= SAME * max(abs(low), abs(high)):
+        looked = f"{values.size:,} looked at"
+        same = f"{name.replace('_', ' ')} is {0.5 * (low + high):.4g} for all {looked}"
+        if name == "unstable":
+            same = f"all {looked} fall" if high > 0.0 else f"none of {looked} falls"
+        return {"remark": f"{same}; nothing drives it"}
+    indices = sobol_indices(values[:, 0], values[:, 1], values[:, 2:])
     pairs = zip(factors, indices.first, indices.total, strict=True)
     return {factor: first.told("first") | total.told("total") for factor, first, total in pairs}
 

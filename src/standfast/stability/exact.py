@@ -81,25 +81,36 @@ def stands_exactly(
     given, number_unit = _integers(np.where(rigid, 0.0, numbers))
     # all in the smaller of the two units: that of multiples of loads, and that of N·m/rad
     smallest = min(unit + number_unit, number_unit, unit)
-    finer = [[entry * 2 ** (unit - smallest) for entry in row] for row in rows]
-    springs = [
-        each * 2 ** (number_unit - smallest)
-        if load is None
-        else each * rows[load][load] * 2 ** (unit + number_unit - smallest)
-        for each, load in zip(given, loads, strict=True)
+    # who is rigid in everybody is left out of C altogether
+    free = [joint for joint in range(3) if not rigid[joint].all()]
+    matrix = []
+    for i in free:
+        load, each = loads[i], given[i]
+        spring = each if load is None else each * rows[load][load]
+        power = number_unit if load is None else unit + number_unit
+        row = [-rows[i][j] * 2 ** (unit - smallest) for j in free]
+        row[free.index(i)] = row[free.index(i)] + spring * 2 ** (power - smallest)
+        taken_out = [rigid[i] | rigid[j] for j in free]
+        matrix.append(
+            [np.where(o, int(i == j), e) for o, j, e in zip(taken_out, free, row, strict=True)]
+        )
+    stands = np.ones(numbers.shape[1], bool)
+    for first in reversed(range(len(free))):
+        stands &= _determinant([row[first:] for row in matrix[first:]]) > 0
+    return stands
+
+
+def _determinant(rows: Sequence[Sequence[Any]]) -> Any:
+    """Return a determinant by its first row."""
+    if len(rows) == 1:
+        return rows[0][0]
+    minors = [
+        _determinant([[*row[:n], *row[n + 1 :]] for row in rows[1:]]) for n in range(len(rows))
     ]
-    (c11, c12, c13), (_, c22, c23), (_, _, c33) = (
-        [(springs[i] if i == j else 0) - finer[i][j] for j in range(3)] for i in range(3)
+    return sum(
+        (-1) ** n * entry * minor
+        for n, (entry, minor) in enumerate(zip(rows[0], minors, strict=True))
     )
-    no_ankle, no_knee, no_hip = rigid
-    # a rigid joint is taken out: its row and column are those of 1
-    c22, c33 = np.where(no_knee, 1, c22), np.where(no_hip, 1, c33)
-    c12, c13 = np.where(no_knee, 0, c12), np.where(no_hip, 0, c13)
-    c23 = np.where(no_knee | no_hip, 0, c23)
-    upper = c22 * c33 - c23 * c23
-    all_three = c11 * upper - c12 * (c12 * c33 - c23 * c13) + c13 * (c12 * c23 - c22 * c13)
-    stands: np.ndarray = (c33 > 0) & (upper > 0) & (no_ankle | (all_three > 0))
-    return stands.astype(bool)
 
 
 def _integers(numbers: np.ndarray) -> tuple[np.ndarray, int]:

@@ -8,7 +8,7 @@ import numpy as np
 from standfast.cli.printing import counted
 from standfast.cli.rejected import print_rejected
 from standfast.parameters import JOINTS
-from standfast.population.people.classes import STRATA
+from standfast.population.people.classes import STRATA, UNKNOWN
 
 if TYPE_CHECKING:
     from standfast.population.assessed import Assessment
@@ -78,25 +78,30 @@ def print_assessment(summary: Mapping[str, Any]) -> None:
 
 def _print_strata(strata: Mapping[str, Any]) -> None:
     """Print each class: how many, how many of them fall, and what the ankle needs."""
+    judged = strata["all"]["all"]["judged"]
+    fall = f"{'of known stiffness':>20}  {'fall [95 % interval]':26}" if judged else ""
+    print(f"  {'':18}{'persons':>8}{fall}  ankle alone needs, median (N·m/rad)")
     for key, classes in strata.items():
-        if key == "all" or len(classes) < 2:
-            continue
-        if key == "sex_and_age" and min(len(strata["sex"]), len(strata["age"])) < 2:
+        crossed = key == "sex_and_age"
+        if len(classes) < 2 or (crossed and min(len(strata["sex"]), len(strata["age"])) < 2):
             continue
         name, unit = STRATA[key]
         print(f"  by {name}" + (f", {unit}" if unit else ""))
         for label, found in classes.items():
-            middle = found["ankle_threshold_alone_Nm_rad_p50"]
-            words = f"ankle alone needs {middle:.4g} N·m/rad (median)"
-            if found["judged"]:
-                low, high = found["unstable_95_low"], found["unstable_95_high"]
-                falls = 100.0 * found["unstable_fraction"]
-                interval = f"[{100.0 * low:.3g} %, {100.0 * high:.3g} %]"
-                of_whom = f"of {found['judged']:,} with known stiffness"
-                words = f"{falls:.3g} % {interval} {of_whom} fall; {words}"
-            print(f"    {label:16} {counted(found['persons'], 'person'):>14}; {words}")
-    if any(found["judged"] for classes in strata.values() for found in classes.values()):
-        print("  [ ]: 95 % interval, Wilson's score interval; persons count alike, unweighted")
+            if not (crossed and UNKNOWN in label):
+                fall = f"{found['judged']:>20,}  {_fallen(found):26}" if judged else ""
+                needed = found["ankle_threshold_alone_Nm_rad_p50"]
+                print(f"    {label:16}{found['persons']:>8,}{fall}  {needed:.4g}")
+    if judged:
+        print("  [ ]: Wilson's score interval; every person counts alike, without weights")
+
+
+def _fallen(found: Mapping[str, Any]) -> str:
+    if not found["judged"]:
+        return ""
+    names = ("unstable_fraction", "unstable_95_low", "unstable_95_high")
+    falls, low, high = (f"{100.0 * found[name]:.3g} %" for name in names)
+    return f"{falls:>7} [{low}, {high}]"
 
 
 def summary_of(found: "Assessment", bands: list[int] | None) -> dict[str, Any]:

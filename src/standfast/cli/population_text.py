@@ -6,7 +6,7 @@ from typing import Any
 from standfast.cli.printing import counted
 from standfast.cli.rejected import print_rejected
 from standfast.parameters import JOINTS, PARAMETERS
-from standfast.population.people.classes import STRATA
+from standfast.population.people.classes import STRATA, UNKNOWN
 
 # How a multiple of a load is told, of something in N·m/rad.
 RELATIVE = {"mgh": "mgh", "single_joint_critical": "the own threshold"}
@@ -51,8 +51,8 @@ def _print_delays(summary: Mapping[str, Any]) -> None:
     print("\ndelay up to which that share stands, s [95 % interval]")
     borne = summary["delay_borne"]
     print(f"  {'':12}" + "".join(f"{_percent(float(share)):>22}" for share in borne["all"]))
-    rows = {"all": borne["all"], **borne["sex"], **borne["age"]}
-    for label, shares in rows.items():
+    rows = [("all", borne["all"]), *borne["sex"].items(), *borne["age"].items()]
+    for label, shares in rows:
         words = "".join(f"{_delay(found):>22}" for found in shares.values())
         print(f"  {label:12}{words}")
     if left_open := summary["left_open_by_rounding"]:
@@ -127,6 +127,8 @@ def _print_unstable(summary: Mapping[str, Any]) -> None:
             name, unit = STRATA[key]
             print(f"  by {name}" + (f", {unit}" if unit else ""))
             for label, found in classes.items():
+                if crossed and UNKNOWN in label:
+                    continue
                 low, high = found["interval"]
                 print(
                     f"    {label:16} {_percent(found['unstable_fraction']):>8}   "

@@ -102,7 +102,8 @@ class Assessment:
         for name in ("safety_factor", *(f"{joint}_threshold_alone_Nm_rad" for joint in JOINTS)):
             values = self.columns[name][chosen]
             values = values[~np.isnan(values)]
-            ends = np.quantile(values, SHARES, method="linear") if values.size else [None] * 3
+            with np.errstate(invalid="ignore"):  # between infinite ones
+                ends = np.quantile(values, SHARES) if values.size else [None] * 3
             for share, value in zip(SHARES, ends, strict=True):
                 known = value is not None and math.isfinite(value)
                 found[f"{name}_p{100 * share:.0f}"] = float(value) if known else None

@@ -29,14 +29,12 @@ def new_persons(
     scale.make_scale(f"{WITHOUT_VALUES}{study.size:10d}")
     for name in names:
         row = QUANTITIES.get(name) or PARAMETERS[name]
-        words = {"long_name": name.replace("_", " "), "comment": row.meaning}
+        words = {"long_name": name.replace("_", " "), "comment": row.meaning, "units": row.unit}
         dataset = _new(file, f"person_{name}", study.size, kept_type(name))
-        set_attributes(dataset, {"units": row.unit, **words})
+        set_attributes(dataset, words | flags(getattr(row, "flags", ())))
     classes = {"person_sex": SEXES, "person_age_class": ages_of(study)}
     for name, dtype in identity_of(study).items():
-        longest = max((len(each.encode()) for each in people.id), default=1) if people else 1
-        text = h5py.string_dtype("utf-8", longest)
-        dataset = _new(file, name, study.size, text if dtype is None else dtype)
+        dataset = _new(file, name, study.size, _text(people) if dtype is None else dtype)
         attributes = {"long_name": name.removeprefix("person_").replace("_", " ")}
         if name == "person_age":
             attributes["units"] = "years"
@@ -65,8 +63,15 @@ def identities(
     if people is None:
         return told
     row = found["row"].astype(np.int64)
-    ids = np.array([each.encode() for each in people.id])
+    ids = np.array([each.encode() for each in people.id], _text(people))
     return {**told, "person_age": people.age[row], "person_id": ids[row]}
+
+
+def _text(people: People | None) -> np.dtype[np.bytes_]:
+    """Return the type of ids: of the longest one's length, which lies in the dataset itself."""
+    ids = people.id if people is not None else ()
+    found: np.dtype[np.bytes_] = h5py.string_dtype("utf-8", max(len(i.encode()) for i in ids))
+    return found
 
 
 def _new(file: h5py.File, name: str, size: int, dtype: object) -> h5py.Dataset:

@@ -20,9 +20,8 @@ def fractions_of_strata(
     ``classes`` are counts (replicate, stratum, height, BMI, verdict) of :class:`.Histograms`.
     """
     by_stratum = classes.sum(axis=(2, 3))  # replicate, stratum, verdict
-    order = [*SEXES, *ages]
     counts: dict[str, dict[str, np.ndarray]] = {}  # (replicate, verdict) by kind and class
-    for number, key in enumerate(("sex", "age")):
+    for number, (key, order) in enumerate({"sex": SEXES, "age": ages}.items()):
         of_strata = np.array([stratum[number] for stratum in strata])
         counts[key] = {
             label: by_stratum[:, of_strata == label].sum(axis=1)

@@ -130,11 +130,11 @@ class Summary:
         """Return what feedback has: who would fall without it, and which delay is borne."""
         persons = self.by_springs.sum(axis=1)
         borne: dict[str, Any] = {"all": _delays_borne(self.critical_delay())}
-        for number, key in enumerate(("sex", "age")):
+        orders = {"sex": SEXES, "age": ages_of(self.study)}
+        for number, (key, order) in enumerate(orders.items()):
             words = {stratum[number] for stratum in self.cohort.strata}
             found = {
-                word: self.critical_delay(**{key: word})
-                for word in sorted(words, key=[*SEXES, *ages_of(self.study)].index)
+                word: self.critical_delay(**{key: word}) for word in sorted(words, key=order.index)
             }
             borne[key] = {word: _delays_borne(each) for word, each in found.items() if each.size}
         return {

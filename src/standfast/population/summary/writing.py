@@ -61,7 +61,7 @@ def write_summary(file: h5py.File, study: PopulationStudy, summary: Summary) -> 
         words = f"{joint} stiffness needed", details
         name = f"required_{joint}_stiffness"
         _write_borne(file, name, summary.threshold[joint], *words, STIFFNESS_UNIT)
-        words = f"multiple of {joint} stiffness needed", details
+        words = f"{joint} multiple needed", details
         _write_borne(file, f"required_{joint}_multiple", summary.multiple[joint], *words, "1")
 
 

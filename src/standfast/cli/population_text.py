@@ -36,8 +36,10 @@ def print_summary(summary: Mapping[str, Any]) -> None:
 def _print_springs(summary: Mapping[str, Any]) -> None:
     _print_quantiles("safety factor", "safety_factor", summary, "")
     _print_quantiles("growth rate of falls", "growth_rate_of_the_unstable", summary, " 1/s")
-    print("\nstiffness with which that share of persons stands, all else as drawn, N·m/rad")
-    print("  (in brackets: everybody's own stiffness of that joint so many times)")
+    print(
+        "\nstiffness of a joint with which that share of persons stands, all else as drawn, N·m/rad"
+    )
+    print("  (in brackets: everybody's own, as drawn, times this instead)")
     required = summary["required_stiffness"]
     print(f"  {'':12}" + "".join(f"{_percent(float(share)):>20}" for share in required["all"]))
     for joint, shares in required.items():

@@ -179,6 +179,9 @@ def test_a_population_of_the_messy_file_writes_the_table_of_its_strata(messy, mo
         "hip = {distribution = 'fixed', value = inf}\n",
         encoding="utf-8",
     )
+    for own in ("messy.txt", "s.toml", "s.h5"):
+        assert main(["population", "s.toml", "--csv", own]) == 2
+        assert f"--csv {own} is a file of this study itself" in capsys.readouterr().err
     assert main(["population", "s.toml", "--csv", "s.csv", "--no-figures"]) == 0
     told, warned = capsys.readouterr()
     assert "stiffness.ankle.mean = 0.9 N·m/rad holds nobody; did you mean a multiple: rel" in warned

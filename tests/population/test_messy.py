@@ -150,7 +150,7 @@ def test_ages_that_are_not_known_or_none(tmp_path):
             age_of(entry)
     people = read(tmp_path, "height,mass,age\n1.7,70,80+\n1.6,60,90 and over\n1.8,80,30\n")
     assert people.age.tolist() == [80.0, 90.0, 30.0]
-    assert people.remarks == ("2 ages such as 80+ are taken as their lowest, 80",)
+    assert people.remarks == ("2 ages such as 80+ are taken as the lowest, 80",)
 
 
 def test_neither_male_nor_female_is_a_class_of_its_own(tmp_path):
@@ -183,6 +183,26 @@ def test_own_columns_are_kept_when_asked_also_of_joined_files(tmp_path):
     assert people.own == {"site": ("Bonn",), "note": ("x",), "falls": ("3",)}
     assert people.at(np.array([0, 0])).own["falls"] == ("3", "3")
     assert read_people(files).own == {}
+
+
+def test_a_decimal_comma_that_makes_a_column_more_is_refused(tmp_path):
+    people = read(tmp_path, "height,mass\n1,75,80\n1.7,70,\n")
+    assert people.height.tolist() == [1.7]
+    assert str(people.rejected[0]) == (
+        "people.csv, line 2: 3 entries under 2 columns; is a decimal comma not in quotes?"
+    )
+
+
+def test_own_columns_of_one_name_are_numbered(tmp_path):
+    people = read(tmp_path, "height,note,mass,note\n1.7,a,70,b\n", keep_own=True)
+    assert people.own == {"note": ("a",), "note (2)": ("b",)}
+
+
+def test_units_that_make_no_body_are_remarked(tmp_path):
+    people = read(tmp_path, "id,height,mass\nA,1.7,70\nB,1.7,330\nC,1.9,30\n")
+    assert people.remarks == (
+        "2 have a BMI below 10 or above 100 kg/m², look at the units (id B, C)",
+    )
 
 
 def test_standard_input_is_read(tmp_path):

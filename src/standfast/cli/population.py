@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from standfast.cli.population_text import print_summary
 from standfast.cli.rejected import write_rejected
 from standfast.cli.running import add_run_options, output_of, run_shards
 from standfast.cli.strata_table import WORDS, rows_of_population, write_strata
+from standfast.errors import InputError
 from standfast.parameters import STIFFNESSES
 
 
@@ -39,10 +41,11 @@ def _population(options: argparse.Namespace) -> None:
     springs = tuple(zip(STIFFNESSES, study.distributions, strict=True))
     for note in likely_slips(springs + study.nerves):
         print(f"standfast: {note}", file=sys.stderr)
+    output = output_of(options)
+    _require_own_file(options.csv, [*study.files, options.study, output])
     found = run_shards(_compute, study, options, "persons", strict=options.strict)
     if found is None:
         return
-    output = output_of(options)
     written = [output, *write_rejected(found.summary["people"].get("rejected", []), output)]
     if not options.no_figures:
         from standfast.figures.population import draw
@@ -56,6 +59,12 @@ def _population(options: argparse.Namespace) -> None:
         return
     print_summary(found.summary)
     print(f"\nWritten to {output.parent}: {', '.join(path.name for path in written)}")
+
+
+def _require_own_file(table: Path | None, others: list[Path]) -> None:
+    """Refuse to write the table of strata over anything that is read or written."""
+    if table is not None and os.path.realpath(table) in map(os.path.realpath, others):
+        raise InputError(f"--csv {table} is a file of this study itself; choose another")
 
 
 def _compute(study: Any, output: Path, **settings: Any) -> Any:

@@ -17,7 +17,7 @@ from standfast.parameters import (
     number_in,
 )
 from standfast.population.people.decimals import Comma, both_readings, comma_of, plain_number
-from standfast.population.people.decoding import called, text_of
+from standfast.population.people.decoding import Row, called, text_of
 from standfast.population.people.words import AGE, is_numbered
 
 # What may have been measured of a person.
@@ -99,7 +99,7 @@ def read_table(path: Path, *, keep_own: bool = False) -> Table:
     entries = [_entries(path, columns, *line) for line in lines]
     numbers = [f for f in columns if f not in WORDS]
     comma = comma_of((row[f] for row in entries for f in numbers), text.separator)
-    refused: dict[int, str] = {}
+    refused = _too_long(header, lines)
     for (_, last, _), row in zip(lines, entries, strict=True):
         for f in numbers:
             place, factor = columns[f]
@@ -119,7 +119,7 @@ def read_table(path: Path, *, keep_own: bool = False) -> Table:
         columns,
         [(last, row) for (_, last, _), row in zip(lines, entries, strict=True)],
         (*text.remarks, *_misspelt(header, columns), *_numbered_sex(header, columns, entries)),
-        tuple(header[n].strip() for n in own),
+        _each_once([header[n].strip() for n in own]),
         [tuple(row[n].strip() if n < len(row) else "" for n in own) for _, _, row in lines],
         refused,
     )
@@ -136,6 +136,24 @@ def _entries(
             f"{last} only; close or remove it"
         )
     return entries
+
+
+def _too_long(header: Sequence[str], lines: Sequence[Row]) -> dict[int, str]:
+    """Refuse rows with more entries than columns: what of them stands where is not known."""
+    return {
+        last: f"{len(row)} entries under {len(header)} columns; is a decimal comma not in quotes?"
+        for _, last, row in lines
+        if any(entry.strip() for entry in row[len(header) :])
+    }
+
+
+def _each_once(names: Sequence[str]) -> tuple[str, ...]:
+    """Return names of which those that are there again are numbered."""
+    told: list[str] = []
+    for name in names:
+        again = sum(each == name for each in names[: len(told)])
+        told.append(f"{name} ({again + 1})" if again else name)
+    return tuple(told)
 
 
 def _plain(entry: str, comma: Comma, row: Parameter | None, factor: float) -> str | None:

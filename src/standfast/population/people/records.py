@@ -10,10 +10,14 @@ import numpy as np
 from standfast.errors import InputError
 from standfast.parameters import PARAMETERS, Parameter, checked_number, number_in
 from standfast.population.people.csv_table import MEASURABLE, WEIGHT, Table, hint, read_table
-from standfast.population.people.joining import added_by_id, joined, own_names, repeated_ids
+from standfast.population.people.joining import (
+    added_by_id,
+    joined,
+    own_names,
+    repeated_ids,
+)
+from standfast.population.people.remarks import remarks_on
 from standfast.population.people.words import age_of, is_nothing, is_top_coded, sex_of
-
-ADULT = 18
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,13 +190,7 @@ def _people(
         raise InputError(f"{tables[0].name}: the weights of all usable rows are 0")
     remarks = [f"{table.name}: {remark}" for table in tables for remark in table.remarks]
     remarks += [remark for table in tables for remark in repeated_ids(table)]
-    if coded := sum(bool(person["top_coded"]) for person in persons):
-        remarks.append(f"{coded:,} ages such as 80+ are taken as their lowest, 80")
-    if children := int((column("age") < ADULT).sum()):
-        verb = "is" if children == 1 else "are"
-        remarks.append(
-            f"{children:,} {verb} under {ADULT} years, and the body models are of adults"
-        )
+    remarks += remarks_on(persons)
     return People(
         tuple(str(person["id"]) for person in persons),
         column("height"),

@@ -82,12 +82,12 @@ def bins_of(model: CohortModel, given: dict[str, Scalar]) -> dict[str, Scalar]:
 
 
 def class_of(model: CohortModel, given: dict[str, Scalar]) -> dict[str, Scalar]:
-    """Return twice the class of one person, and 1 more if it is near, as of :func:`bins_of`."""
+    """Return the class of one person, as of :func:`bins_of`; its complement if it is near."""
     person = person_of(model, given)
     stands = verdict(person.body, person.stiffness, model.gravity)
     found = _class(person.stratum, person.height, person.mass, stands)
     xp = namespace(found)
-    return {"class_and_near": 2 * found + xp.where(near(model, person), 1, 0).astype(xp.int32)}
+    return {"class_or_near": xp.where(near(model, person), ~found, found)}
 
 
 def classes_of(
@@ -97,8 +97,12 @@ def classes_of(
 
     One number a person makes one loop of all: two of them take a fifth longer.
     """
-    both = mapped(numbers)["class_and_near"][:size]
-    return {"class": both >> 1, "near": (both & 1).astype(bool)}
+    found = mapped(numbers)["class_or_near"][:size]
+    is_near = np.zeros(size, bool)
+    if found.min() < 0:
+        is_near = found < 0
+        found = np.where(is_near, ~found, found)
+    return {"class": found, "near": is_near}
 
 
 def _class(stratum: Scalar, height: Scalar, mass: Scalar, stable: Scalar) -> Scalar:

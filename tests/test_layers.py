@@ -53,6 +53,7 @@ USES_HDF5 = {
     "standfast.atlas.reader",
     "standfast.atlas.writer",
     "standfast.population.simulation",
+    "standfast.population.summary.keeping",
     "standfast.population.summary.writing",
     "standfast.thresholds.tables",
 }
@@ -61,6 +62,7 @@ LATE = {
     ("standfast.atlas.memory", "xarray"),
     ("standfast.atlas.reader", "h5netcdf"),
     ("standfast.atlas.reader", "xarray"),
+    ("standfast.population.people.decoding", "pandas"),
     ("standfast", "?"),
 }
 

@@ -34,8 +34,11 @@ if TYPE_CHECKING:
     from standfast.atlas.reader import Atlas
     from standfast.atlas.sweeping import sweep
     from standfast.mechanics.laws import LAWS
+    from standfast.population.assess import assess
+    from standfast.population.people.records import read_people
     from standfast.population.people.study import PopulationStudy
     from standfast.population.simulation import simulate
+    from standfast.population.summary.file import open_population
     from standfast.run.lock import BusyError
 
 # Where the names lie that need h5py or JAX, or are read once in a while; imported when they are
@@ -48,6 +51,9 @@ LAZY = {
     "compute": "standfast.atlas.memory",
     "sweep": "standfast.atlas.sweeping",
     "PopulationStudy": "standfast.population.people.study",
+    "assess": "standfast.population.assess",
+    "open_population": "standfast.population.summary.file",
+    "read_people": "standfast.population.people.records",
     "simulate": "standfast.population.simulation",
 }
 
@@ -66,6 +72,7 @@ __all__ = [
     "Study",
     "__version__",
     "add_quantity",
+    "assess",
     "compute",
     "critical_delay",
     "critical_stiffness",
@@ -79,7 +86,9 @@ __all__ = [
     "kinetic_energy",
     "modes",
     "open_atlas",
+    "open_population",
     "potential_energy",
+    "read_people",
     "rightmost_root",
     "safety_factor",
     "simulate",

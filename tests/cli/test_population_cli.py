@@ -53,7 +53,7 @@ def test_population_tells_draws_and_writes(place, capsys):
     assert main(["population", "women.toml"]) == 0
     told = capsys.readouterr().out
     assert "20,000 persons drawn from people.csv, seed 5" in told
-    assert "4 people used, 1 rows rejected, 0 not selected" in told
+    assert "4 people used, 1 row rejected, 0 not selected" in told
     assert "people.csv, line 5: height = 165 is outside the allowed range" in told
     assert "drivers of falling" in told
     names = {path.name for path in place.iterdir()}
@@ -149,7 +149,7 @@ def rows_of(path):
 def test_assess_gives_one_line_a_person(place, capsys):
     assert main(["assess", "people.csv", "--gravity", "9.81"]) == 0
     told = capsys.readouterr().out
-    assert "4 persons assessed, 1 rows rejected" in told
+    assert "4 persons assessed, 1 row rejected" in told
     assert "of 3 with known stiffness stand" in told
     rows = rows_of(place / "people-assessed.csv")
     assert list(rows) == ["A", "B", "C", "E"]

@@ -145,6 +145,45 @@ def test_persons_are_kept_when_asked(tmp_path):
         assert file["person_height"].attrs["units"] == b"m"
 
 
+PEOPLE = "id,height,mass,sex,age\nÄ1,1.7,70,f,80+\nB,1.8,80,divers,30\nlonger id,1.6,60,,\n"
+
+
+@pytest.mark.parametrize("fed_back", [False, True])
+def test_kept_persons_say_who_they_are_to_any_reader(tmp_path, fed_back):
+    xarray = pytest.importorskip("xarray")
+    (tmp_path / "p.csv").write_text(PEOPLE, encoding="utf-8")
+    content = changed("population", {"people": "p.csv", "size": 500, "age_bands": [18, 65]})
+    content["output"] = {"persons": True}
+    if fed_back:
+        content["feedback"] = {"delay": 0.1, "proportional": {"ankle": 300.0}}
+    study = PopulationStudy.from_dict(content, folder=tmp_path)
+    found = simulate(study, tmp_path / "p.h5")
+    rows = {"Ä1": (1.7, "female", 80.0), "B": (1.8, "other", 30.0)}
+    rows |= {"longer id": (1.6, "unknown")}
+    for engine in ("h5netcdf", "netcdf4"):
+        with xarray.open_dataset(tmp_path / "p.h5", engine=engine) as ds:
+            assert not [name for name in ds.dims if "phony" in str(name)]
+            assert ds.sizes["person"] == 500
+            sexes = ds["person_sex"].attrs["flag_meanings"].split()
+            ages = ds["person_age_class"].attrs["flag_meanings"].split()
+            assert ages == ["under_18", "18-64", "65+", "unknown"]
+            for variable in ds.variables.values():
+                assert len(variable.attrs.get("long_name", "")) <= 40
+            ids = [i.decode() if isinstance(i, bytes) else i for i in ds["person_id"].values]
+            assert set(ids) == set(rows)
+            for number, name in enumerate(ids):
+                height, sex, *age = rows[name]
+                assert ds["person_height"].values[number] == height
+                assert sexes[int(ds["person_sex"].values[number])] == sex
+                years = ds["person_age"].values[number]
+                assert (years == age[0]) if age else np.isnan(years)
+                wanted = "unknown" if not age else "65+" if age[0] >= 65 else "18-64"
+                assert ages[int(ds["person_age_class"].values[number])] == wanted
+    assert found.array("person_id")[0].decode() in rows
+    assert found.summary["strata"]["age"].keys() == {"18-64", "65+", "unknown"}
+    assert list(found.summary["strata"]["sex"]) == ["female", "other", "unknown"]
+
+
 def test_nobody_who_differs_has_no_drivers(tmp_path):
     content = changed("stiffness.ankle", law("fixed", "mgh", value=5.0))
     content["stiffness"] |= {"knee": RIGID, "hip": RIGID}
@@ -153,7 +192,7 @@ def test_nobody_who_differs_has_no_drivers(tmp_path):
     assert summary["unstable_fraction_interval"][1] > 0.0
     assert summary["growth_rate_of_the_unstable"] is None
     remark = summary["drivers"]["unstable"]["remark"]
-    assert re.fullmatch(r"unstable is 0 for all [\d,]+ looked at; nothing drives it", remark)
+    assert re.fullmatch(r"none of [\d,]+ looked at falls; nothing drives it", remark)
     rigid = {"ankle": RIGID, "knee": RIGID, "hip": RIGID}
     content = changed("stiffness", rigid)
     summary = simulate(PopulationStudy.from_dict(content), tmp_path / "q.h5").summary

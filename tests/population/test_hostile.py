@@ -137,7 +137,7 @@ def test_arrays_are_those_that_h5py_reads(people):
     found = open_population(people)
     with h5py.File(people, "r") as file:
         assert len(file) > 30
-        for name in file:
+        for name in set(file) - {"person"}:  # a dimension without values
             np.testing.assert_array_equal(found.array(name), file[name][()])
 
 

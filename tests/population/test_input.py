@@ -8,6 +8,7 @@ import pytest
 import standfast as sf
 from populations import GOOD, changed, law
 from real_people import DATA, NHANES, needs_people
+from standfast.population.people.classes import age_class, age_classes
 from standfast.population.people.records import read_people
 from standfast.population.people.study import PopulationStudy
 
@@ -24,6 +25,11 @@ WRONG = [
     ("population.age", "old", "population.age = 'old' is not a range of ages; write \"65+\""),
     ("population.builtin", "nhanes", "population.builtin = 'nhanes' is not known; did you mean"),
     ("population.people", "a.csv", "[population] needs people (a CSV file) or builtin"),
+    ("population.age_bands", [18, 65], "population.age_bands needs people of known age in a file"),
+    ("population.sex", "other", "population.sex = 'other' is not known"),
+    ("population", {"people": "-"}, "population.people = '-' is standard input, which a study"),
+    ("stiffness.ankle.distribution", None, "[stiffness.ankle] has no distribution; write"),
+    ("stiffness.ankle.mean", -1.0, "-1 is outside the allowed range, 0 to 1e+06"),
     ("population.method", "qmc", "population.method = 'qmc' is not known"),
     ("population.body_model", "wintr", "population.body_model = 'wintr' is not known; did you"),
     ("population.proportions", "free", "population.proportions = 'free' is not known"),
@@ -93,6 +99,40 @@ def test_a_wrong_study_gets_its_sentence(key, value, sentence):
         PopulationStudy.from_dict(changed(key, value))
     assert str(caught.value).startswith(sentence) or sentence in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_what_is_drawn_is_never_offered_to_be_rigid():
+    for key in ("mean", "sd"):
+        with pytest.raises(sf.InputError) as caught:
+            PopulationStudy.from_dict(changed(f"stiffness.ankle.{key}", -0.3))
+        assert "inf" not in str(caught.value)
+        assert "rigid" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("bands", "sentence"),
+    [
+        ("18", "population.age_bands = '18' is no list of whole years from 0 to 130"),
+        ([], "population.age_bands = [] is no list of whole years"),
+        ([18.5], "population.age_bands = [18.5] is no list of whole years"),
+        ([18, 150], "population.age_bands = [18, 150] is no list of whole years"),
+        ([30, 18], "population.age_bands = [30, 18] does not rise"),
+    ],
+)
+def test_wrong_age_bands_get_their_sentence(tmp_path, bands, sentence):
+    (tmp_path / "p.csv").write_text("height,mass\n1.7,70\n")
+    content = changed("population", {"people": "p.csv", "age_bands": bands})
+    with pytest.raises(sf.InputError) as caught:
+        PopulationStudy.from_dict(content, folder=tmp_path)
+    assert sentence in str(caught.value)
+
+
+def test_age_bands_are_called_by_their_ages():
+    names = [name for _, name in age_classes([18, 30, 31, 65])]
+    assert names == ["under 18", "18-29", "30", "31-64", "65+"]
+    assert [name for _, name in age_classes([0, 50])] == ["0-49", "50+"]
+    for age, name in ((17.99, "under 18"), (18.0, "18-29"), (29.5, "18-29"), (130.0, "65+")):
+        assert age_class(age, age_classes([18, 30, 31, 65])) == name
 
 
 def test_a_joint_that_is_not_random_cannot_be_correlated():
@@ -216,7 +256,7 @@ def test_one_bad_row_among_thousands_is_left_out_and_told(tmp_path):
         ("height,mass\n1.7,\n", "line 2: no mass"),
         ("height,mass\n1.7,-70\n", "line 2: mass = -70 is outside the allowed range"),
         ("height,mass\n1.7,nan\n", "line 2: no mass"),
-        ("height,mass,sex\n1.7,70,x\n", "line 2: sex = 'x' is not known; write male or female"),
+        ("height,mass,sex\n1.7,70,y\n", "line 2: sex = 'y' is not known; write male, female or"),
         ("height,mass,weight\n1.7,70,-1\n", "line 2: weight = -1 is outside the allowed range"),
         ("height,mass,weight\n1.7,70,0\n", "the weights of all usable rows are 0"),
         ("height,height_cm,mass\n1,2,3\n", "the columns 'height' and 'height_cm' both hold height"),
@@ -306,7 +346,7 @@ def test_what_a_user_may_not_have_meant_is_remarked(tmp_path):
     assert people.id == ("Jo",)
     assert people.remarks == (
         "people.csv: the column 'ankle_stiffnes' is not used; did you mean 'ankle_stiffness'?",
-        "1 are under 18 years, and the body models are of adults",
+        "1 is under 18 years, and the body models are of adults",
     )
 
 

@@ -1,18 +1,17 @@
-"""``standfast assess``: thresholds and margins of single persons."""
+"""``standfast assess``: thresholds and margins of single persons, and of classes of them."""
 
 import argparse
 import contextlib
 import json
 import math
 import os
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
+from standfast.cli.assess_text import HELP_OF_COLUMNS, print_assessment, summary_of
 from standfast.cli.parsing import add_command
-from standfast.cli.rejected import print_rejected, write_rejected
+from standfast.cli.rejected import write_rejected
+from standfast.cli.strata_table import WORDS, rows_of_assessment, write_strata
 from standfast.errors import InputError
 from standfast.parameters import (
     JOINTS,
@@ -23,7 +22,6 @@ from standfast.parameters import (
 )
 
 if TYPE_CHECKING:
-    from standfast.population.assess import Assessment
     from standfast.population.people.distributions import Distributions
 
 
@@ -36,19 +34,26 @@ def add(commands: Any) -> None:
         "assess people.csv --knee inf --hip 700",
         compiles=True,
     )
+    parser.epilog = f"{parser.epilog}\n\n{HELP_OF_COLUMNS}"
     parser.add_argument(
         "people",
         type=Path,
         nargs="+",
         metavar="PEOPLE.csv",
-        help="columns height (m; height_cm), mass (kg), and if known id, sex, age, "
-        "ankle_stiffness, knee_stiffness, hip_stiffness (N·m/rad, both legs; inf is rigid), "
-        "ankle_proportional_gain, ankle_derivative_gain, ankle_damping, feedback_delay and so on; "
-        "further files are joined by id",
+        help="CSV or .xlsx, - is standard input; columns height (m; height_cm, height_in), mass "
+        "(kg; weight_lb), and if known id, sex, age, ankle_stiffness, knee_stiffness, "
+        "hip_stiffness (N·m/rad, both legs; inf is rigid), ankle_proportional_gain, "
+        "ankle_derivative_gain, ankle_damping, feedback_delay and so on; further files are joined "
+        "by id",
     )
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FILE.csv", help="default: NAME-assessed.csv"
     )
+    parser.add_argument("--csv", type=Path, metavar="FILE.csv", help=WORDS)
+    parser.add_argument("--sex", choices=("male", "female", "other"), help="only of this sex")
+    parser.add_argument("--age", metavar="AGES", help='only of these ages, as "65+" or "20-39"')
+    words = "first age of each class, as 18,30,45,65 (default: 20,40,60)"
+    parser.add_argument("--age-bands", metavar="AGES", help=words)
     for joint in JOINTS:
         words = f"stiffness of the {joint} where the file has none, N·m/rad or inf"
         parser.add_argument(f"--{joint}", metavar="K", help=words)
@@ -75,7 +80,10 @@ def add(commands: Any) -> None:
 
 
 def _assess(options: argparse.Namespace) -> None:
-    from standfast.population.assess import assess, write_assessment
+    from standfast.cli.progress import interruptible, progress_bar
+    from standfast.population.assess import assess
+    from standfast.population.assessed import write_assessment
+    from standfast.population.people.keys import selection
     from standfast.population.people.records import read_people
 
     body_model = _body_model(options.body_model)
@@ -85,96 +93,66 @@ def _assess(options: argparse.Namespace) -> None:
         for joint in JOINTS
         if (text := getattr(options, joint)) is not None
     }
-    output: Path = options.output or Path(f"{options.people[0].stem}-assessed.csv")
-    if os.path.realpath(output) in map(os.path.realpath, options.people):
-        raise InputError(f"{output} is the file of people itself; choose another output with -o")
-    people = read_people(options.people, strict=options.strict)
-    found = assess(
-        people,
-        body_model=body_model,
-        gravity=gravity,
-        otherwise=otherwise,
-        nerves=_nerves(options),
-    )
+    bands = _bands(options.age_bands)
+    nerves = _nerves(options)
+    output = _output_of(options)
+    with progress_bar("persons") as (_, show), interruptible() as stop_if_asked:
+
+        def after_piece(done: int, total: int) -> None:
+            show(done, total)
+            stop_if_asked()
+
+        people = read_people(
+            options.people,
+            strict=options.strict,
+            selected=selection(options.sex, options.age, "--age"),
+            keep_own=True,
+        )
+        stop_if_asked()
+        found = assess(
+            people,
+            body_model=body_model,
+            gravity=gravity,
+            otherwise=otherwise,
+            nerves=nerves,
+            progress=after_piece,
+        )
     write_assessment(found, output)
-    summary = _summary_of(found)
+    summary = summary_of(found, bands)
     written = [output, *write_rejected(summary["rejected"], output)]
+    if options.csv:
+        write_strata(list(rows_of_assessment(summary["strata"])), options.csv)
+        written.append(options.csv)
     if options.json:
         print(json.dumps(summary, ensure_ascii=False))
     else:
-        _print_summary(summary)
+        print_assessment(summary)
         print(f"Written: {', '.join(str(path) for path in written)}")
 
 
-def _print_summary(summary: Mapping[str, Any]) -> None:
-    rejected = summary["rejected"]
-    print(f"{summary['persons']:,} persons assessed, {len(rejected):,} rows rejected")
-    print_rejected(rejected)
-    for remark in summary["remarks"]:
-        print(f"    note: {remark}")
-    for joint, (low, middle, high) in summary["threshold_alone"].items():
-        print(
-            f"  {joint:6} alone, the others rigid, needs {middle:.4g} N·m/rad (median; "
-            f"{low:.4g} to {high:.4g} for nine in ten)"
-        )
-    if not summary["judged"]:
-        print("  no one has all three stiffnesses; give --ankle, --knee, --hip for a verdict")
-        return
-    print(
-        f"  {summary['stand']:,} of {summary['judged']:,} with known stiffness stand, "
-        f"{summary['stand_with_hip_strategy']:,} of them by the hip strategy "
-        "(the hip turns more than the ankle)"
-    )
-    for joint, fallen in summary["least_gain_at"].items():
-        print(f"  {fallen:,} who fall would stand with the least gain at the {joint}")
-    if fallen := summary["fall_whatever_one_joint_gains"]:
-        print(f"  {fallen:,} fall whatever one joint gains")
-    if (fed_back := summary.get("with_feedback")) is not None:
-        print(
-            f"  with feedback {fed_back['stand']:,} of {fed_back['judged']:,} with known gains and "
-            "delay stand"
-        )
-        if fed_back["critical_delay"]:
-            low, middle, high = fed_back["critical_delay"]
-            print(
-                f"  critical delay {middle:.3g} s (median of those who stand without delay; "
-                f"{low:.3g} to {high:.3g} for nine in ten)"
-            )
+def _output_of(options: argparse.Namespace) -> Path:
+    """Return the file that is written; refuse to write over the people or the other table."""
+    first = options.people[0]
+    name = "people" if str(first) == "-" else first.stem
+    output: Path = options.output or Path(f"{name}-assessed.csv")
+    written = [output, *([options.csv] if options.csv else [])]
+    for path in written:
+        if os.path.realpath(path) in map(os.path.realpath, options.people):
+            raise InputError(f"{path} is the file of people itself; choose another output")
+    if len({os.path.realpath(path) for path in written}) < len(written):
+        raise InputError(f"{output} cannot be both -o and --csv; choose two names")
+    return output
 
 
-def _summary_of(found: "Assessment") -> dict[str, Any]:
-    columns = found.columns
-    quantiles = {
-        joint: np.quantile(columns[f"{joint}_threshold_alone_Nm_rad"], (0.05, 0.5, 0.95)).tolist()
-        for joint in JOINTS
-    }
-    best = {joint: int((columns["least_gain_at"] == joint).sum()) for joint in JOINTS}
-    stands = columns["stands"] == "yes"
-    fall_anyhow = found.falls & (columns["least_gain_at"] == "")
-    return {
-        **({"with_feedback": _fed_back(columns)} if "critical_delay_s" in columns else {}),
-        "persons": len(found.people),
-        "rejected": [
-            {"file": r.file, "line": r.line, "reason": r.reason} for r in found.people.rejected
-        ],
-        "remarks": list(found.people.remarks),
-        "threshold_alone": quantiles,
-        "judged": int(found.judged.sum()),
-        "stand": int(stands.sum()),
-        "stand_with_hip_strategy": int((stands & (columns["strategy"] == "hip")).sum()),
-        "fall_whatever_one_joint_gains": int(fall_anyhow.sum()),
-        "least_gain_at": {joint: number for joint, number in best.items() if number},
-    }
+def _bands(text: str | None) -> list[int] | None:
+    """Read the ages at which bands begin."""
+    from standfast.population.people.classes import checked_bands
 
-
-def _fed_back(columns: Mapping[str, Any]) -> dict[str, Any]:
-    verdicts, critical = columns["stands_with_feedback"], columns["critical_delay_s"]
-    lost = critical[np.isfinite(critical) & (critical > 0.0)]
-    return {
-        "judged": int((verdicts != "").sum()),
-        "stand": int((verdicts == "yes").sum()),
-        "critical_delay": np.quantile(lost, (0.05, 0.5, 0.95)).tolist() if lost.size else [],
-    }
+    if text is None:
+        return None
+    words = text.split(",")
+    known = all(word.strip().isascii() and word.strip().isdecimal() for word in words)
+    return checked_bands("--age-bands", [int(word) for word in words] if known else text)
 
 
 def _body_model(text: str) -> str | dict[str, str]:

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,9 @@ from standfast.cli.parsing import add_command, add_format_option
 from standfast.cli.population_text import print_summary
 from standfast.cli.rejected import write_rejected
 from standfast.cli.running import add_run_options, output_of, run_shards
+from standfast.cli.strata_table import WORDS, rows_of_population, write_strata
+from standfast.errors import InputError
+from standfast.parameters import STIFFNESSES
 
 
 def add(commands: Any) -> None:
@@ -24,6 +28,7 @@ def add(commands: Any) -> None:
     add_run_options(parser, "count")
     parser.add_argument("--strict", action="store_true", help="stop at the first unusable row")
     parser.add_argument("--json", action="store_true", help="all answers as one JSON object")
+    parser.add_argument("--csv", type=Path, metavar="FILE.csv", help=WORDS)
     parser.add_argument("--no-figures", action="store_true", help="write no figures")
     add_format_option(parser, "of the figures; ")
 
@@ -33,22 +38,33 @@ def _population(options: argparse.Namespace) -> None:
     from standfast.population.people.study import PopulationStudy
 
     study = PopulationStudy.from_toml(options.study)
-    for note in likely_slips(study.nerves):
+    springs = tuple(zip(STIFFNESSES, study.distributions, strict=True))
+    for note in likely_slips(springs + study.nerves):
         print(f"standfast: {note}", file=sys.stderr)
+    output = output_of(options)
+    _require_own_file(options.csv, [*study.files, options.study, output])
     found = run_shards(_compute, study, options, "persons", strict=options.strict)
     if found is None:
         return
-    output = output_of(options)
     written = [output, *write_rejected(found.summary["people"].get("rejected", []), output)]
     if not options.no_figures:
         from standfast.figures.population import draw
 
         written += draw(found, output.with_suffix(""), options.format or ("png",))
+    if options.csv:
+        write_strata(list(rows_of_population(found.summary)), options.csv)
+        written.append(options.csv)
     if options.json:
         print(json.dumps(found.summary, ensure_ascii=False))
         return
     print_summary(found.summary)
     print(f"\nWritten to {output.parent}: {', '.join(path.name for path in written)}")
+
+
+def _require_own_file(table: Path | None, others: list[Path]) -> None:
+    """Refuse to write the table of strata over anything that is read or written."""
+    if table is not None and os.path.realpath(table) in map(os.path.realpath, others):
+        raise InputError(f"--csv {table} is a file of this study itself; choose another")
 
 
 def _compute(study: Any, output: Path, **settings: Any) -> Any:

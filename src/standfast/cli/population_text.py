@@ -3,8 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from standfast.cli.printing import counted
 from standfast.cli.rejected import print_rejected
 from standfast.parameters import JOINTS, PARAMETERS
+from standfast.population.people.classes import STRATA, UNKNOWN
 
 # How a multiple of a load is told, of something in N·m/rad.
 RELATIVE = {"mgh": "mgh", "single_joint_critical": "the own threshold"}
@@ -32,9 +34,12 @@ def print_summary(summary: Mapping[str, Any]) -> None:
 
 
 def _print_springs(summary: Mapping[str, Any]) -> None:
-    _print_quantiles("safety factor", summary["safety_factor"], "")
-    _print_quantiles("growth rate of falls", summary["growth_rate_of_the_unstable"], " 1/s")
-    print("\nstiffness at which that share stands, N·m/rad (as a multiple of the law)")
+    _print_quantiles("safety factor", "safety_factor", summary, "")
+    _print_quantiles("growth rate of falls", "growth_rate_of_the_unstable", summary, " 1/s")
+    print(
+        "\nstiffness of a joint with which that share of persons stands, all else as drawn, N·m/rad"
+    )
+    print("  (in brackets: everybody's own, as drawn, times this instead)")
     required = summary["required_stiffness"]
     print(f"  {'':12}" + "".join(f"{_percent(float(share)):>20}" for share in required["all"]))
     for joint, shares in required.items():
@@ -43,17 +48,18 @@ def _print_springs(summary: Mapping[str, Any]) -> None:
 
 
 def _print_delays(summary: Mapping[str, Any]) -> None:
-    _print_quantiles("critical delay", summary["critical_delay"], " s")
-    _print_quantiles("delay margin", summary["delay_margin"], " s")
-    print("\ndelay up to which that share stands, s")
+    _print_quantiles("critical delay", "critical_delay", summary, " s")
+    _print_quantiles("delay margin", "delay_margin", summary, " s")
+    print("\ndelay up to which that share stands, s [95 % interval]")
     borne = summary["delay_borne"]
     print(f"  {'':12}" + "".join(f"{_percent(float(share)):>22}" for share in borne["all"]))
-    rows = {"all": borne["all"], **borne["sex"], **borne["age"]}
-    for label, shares in rows.items():
+    rows = [("all", borne["all"]), *borne["sex"].items(), *borne["age"].items()]
+    for label, shares in rows:
         words = "".join(f"{_delay(found):>22}" for found in shares.values())
         print(f"  {label:12}{words}")
     if left_open := summary["left_open_by_rounding"]:
-        print(f"  rounding leaves something open of {left_open:,} of {summary['size']:,} persons")
+        of_all = counted(summary["size"], "person")
+        print(f"  rounding leaves something open of {left_open:,} of {of_all}")
 
 
 def _delay(found: Mapping[str, Any]) -> str:
@@ -68,10 +74,12 @@ def _delay(found: Mapping[str, Any]) -> str:
 
 def _print_who(summary: Mapping[str, Any]) -> None:
     people = summary["people"]
-    print(f"{summary['size']:,} persons drawn from {people['source']}, seed {summary['seed']}")
+    drawn = counted(summary["size"], "person")
+    print(f"{drawn} drawn from {people['source']}, seed {summary['seed']}")
     if "used" in people:
         print(
-            f"  {people['used']:,} people used, {len(people['rejected']):,} rows rejected, "
+            f"  {counted(people['used'], 'person', 'people')} used, "
+            f"{counted(len(people['rejected']), 'row')} rejected, "
             f"{people['not_selected']:,} not selected"
         )
         print_rejected(people["rejected"])
@@ -100,6 +108,12 @@ def _print_unstable(summary: Mapping[str, Any]) -> None:
     low, high = summary["unstable_fraction_interval"]
     unstable = _percent(summary["unstable_fraction"])
     print(f"\nunstable   {unstable}   [{_percent(low)}, {_percent(high)}]")
+    print(f"  [ ]: 95 % interval of the simulation, {summary['interval_method']}")
+    if settled := summary["settled_exactly"]:
+        print(
+            f"  {counted(settled, 'person')} within rounding of a threshold, settled in exact "
+            "arithmetic; right at it a person falls"
+        )
     if "unstable_by_springs_alone" in summary:
         low, high = summary["unstable_by_springs_alone_interval"]
         alone = _percent(summary["unstable_by_springs_alone"])
@@ -110,18 +124,31 @@ def _print_unstable(summary: Mapping[str, Any]) -> None:
         low, high = summary["people"]["survey_interval"]
         print(f"  as the people are a sample themselves: [{_percent(low)}, {_percent(high)}]")
     for key, classes in summary["strata"].items():
-        if len(classes) > 1:
-            print(f"  by {key if key != 'bmi' else 'BMI'}")
+        crossed = key == "sex_and_age"
+        if len(classes) > 1 and not (crossed and _says_nothing_new(summary["strata"])):
+            name, unit = STRATA[key]
+            print(f"  by {name}" + (f", {unit}" if unit else ""))
             for label, found in classes.items():
+                if crossed and UNKNOWN in label:
+                    continue
                 low, high = found["interval"]
                 print(
-                    f"    {label:14} {_percent(found['unstable_fraction']):>8}   "
-                    f"[{_percent(low)}, {_percent(high)}]   {_percent(found['share'])} of all"
+                    f"    {label:16} {_percent(found['unstable_fraction']):>8}   "
+                    f"[{_percent(low)}, {_percent(high)}]   "
+                    f"{_percent(found['share'])} of the persons drawn"
                 )
 
 
-def _print_quantiles(what: str, shares: Mapping[str, Any] | None, unit: str) -> None:
-    if shares is None:
+def _says_nothing_new(strata: Mapping[str, Any]) -> bool:
+    """Return whether sex and age together tell no more than one of them."""
+    return len(strata["sex"]) == 1 or len(strata["age"]) == 1
+
+
+def _print_quantiles(what: str, key: str, summary: Mapping[str, Any], unit: str) -> None:
+    if (same := summary["same_for_everybody"].get(key)) is not None:
+        print(f"{what}: {same:.6g}{unit}, the same for everybody")
+        return
+    if (shares := summary[key]) is None:
         return
     low, middle, high = (shares[share]["value"] for share in ("0.05", "0.5", "0.95"))
     words = [f"{value:.3g}{unit}" if value is not None else "∞" for value in (middle, low, high)]

@@ -18,6 +18,11 @@ _SHOWN = {
 }
 
 
+def counted(number: int, one: str, many: str = "") -> str:
+    """Return a number of things in words, as ``1 person`` and ``2,000 persons``."""
+    return f"{number:,} {one if number == 1 else many or one + 's'}"
+
+
 def visible(text: str) -> str:
     """Return a text with its control characters written out, as Python's ``repr`` does."""
     return text.translate(_SHOWN)

@@ -11,8 +11,8 @@ from matplotlib.ticker import PercentFormatter
 
 from standfast.figures.style import BLUE, GREY, LINE_STYLES, VERMILION, paper_figure, save
 from standfast.parameters import JOINTS, PARAMETERS
-from standfast.population.people.records import SEXES
-from standfast.population.summary.arrays import AGES
+from standfast.population.people.words import SEXES
+from standfast.population.summary.arrays import ages_of
 from standfast.population.summary.file import Population
 from standfast.quantities import QUANTITIES
 
@@ -21,6 +21,8 @@ DRIVEN = {
     "safety_factor": "the safety factor",
     "delay_margin": "the delay margin",
 }
+
+GREEN = "#009E73"  # of the same colour-blind safe set (Okabe & Ito)
 
 # A cell of the risk map with fewer persons says more of chance than of risk.
 FEWEST = 50
@@ -126,13 +128,14 @@ def _standing_by_delay(ax: Axes, population: Population) -> None:
     delay, everybody = population.array("delay"), population.array("standing")
     by_both = population.array("standing_by_sex_and_age")
     seen = np.isfinite(by_both[..., 0])
+    classes = ages_of(population.study)
     several = seen.sum() > 1
-    ages = [number for number in range(len(AGES)) if seen[:, number].any()]
-    colors = dict(zip(SEXES, (BLUE, VERMILION, GREY), strict=True))
+    ages = [number for number in range(len(classes)) if seen[:, number].any()]
+    colors = dict(zip(SEXES, (BLUE, VERMILION, GREEN, GREY), strict=True))
     for (sex, color), curves in zip(colors.items(), by_both, strict=True):
         for style, age in zip(itertools.cycle(LINE_STYLES[1:]), ages):
             if several and np.isfinite(curves[age, 0]):
-                label = f"{sex} {AGES[age]}".replace("unknown unknown", "unknown")
+                label = f"{sex} {classes[age]}".replace("unknown unknown", "unknown")
                 ax.plot(delay, curves[age], linestyle=style, color=color, label=label)
     ax.plot(delay, everybody, color="black", label="all")
     changing = delay[(everybody > 0.002) & (everybody < everybody.max() - 0.002)]

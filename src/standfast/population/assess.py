@@ -1,86 +1,158 @@
 """Single persons, one by one: how stiff they would have to be, and how far they are from it."""
 
-import csv
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from standfast.anthropometry.body import Body
 from standfast.engine.mapping import map_over_batch
-from standfast.files import for_spreadsheets, whole_file
 from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import Scalar
-from standfast.parameters import GAINS, JOINTS, OWN_BODY, PARAMETERS, STIFFNESSES
-from standfast.population.cohort.bodies import (
-    Models,
-    model_of_sex,
-    scaled_body,
-    with_own_segments,
+from standfast.parameters import (
+    GAINS,
+    JOINTS,
+    PARAMETERS,
+    STANDARD_GRAVITY,
+    STIFFNESSES,
+    checked_number,
 )
+from standfast.population.assessed import Assessment
+from standfast.population.cohort.bodies import Setting, body_in, setting_of
 from standfast.population.cohort.nerves import entries_of, judged
 from standfast.population.cohort.persons import load_of
 from standfast.population.people.distributions import Distributions, ParameterDistribution
-from standfast.population.people.records import People
+from standfast.population.people.keys import checked_body_model
+from standfast.population.people.records import People, read_people
 from standfast.population.people.sections import NERVES
 from standfast.stability.margins import safety_factor, stiffness_reserve
 from standfast.stability.modes import frequency_of, modes, ratio_to_ankle
 from standfast.stability.springs import critical_stiffness, verdict
+from standfast.study.values import known_keys
 
 DELAY = "feedback_delay"
-Setting = tuple[Models, float]  # body model of each sex, and gravity
+PIECE = 2**14  # persons who are computed together
 # How the names of columns say units.
 UNITS = {"N·m/rad": "Nm_rad", "N·m·s/rad": "Nms_rad", "s": "s"}
 
 
-@dataclass(frozen=True)
-class Assessment:
-    """What was found of each person; NaN, or an empty word, where stiffness is not known."""
-
-    people: People
-    columns: Mapping[str, np.ndarray]  # (persons,) each, by the names of the CSV file's columns
-
-    @property
-    def judged(self) -> np.ndarray:
-        """Who has all three stiffnesses, so that a verdict can be given."""
-        return np.asarray(self.columns["stands"] != "")
-
-    @property
-    def falls(self) -> np.ndarray:
-        """Who does not stand."""
-        return np.asarray(self.columns["stands"] == "no")
-
-
 def assess(
-    people: People,
+    people: People | str | Path | Sequence[str | Path],
     *,
     body_model: str | Mapping[str, str] = "winter",
-    gravity: float,
+    gravity: float = STANDARD_GRAVITY,
     otherwise: Mapping[str, float] | None = None,
     nerves: Distributions = (),
+    progress: Callable[[int, int], None] | None = None,
 ) -> Assessment:
-    """Assess persons one by one; ``otherwise`` is stiffness by joint where it is not known.
+    """Assess persons one by one: thresholds, margins, and the least gain with which each stands.
 
     Found are thresholds of each joint alone (the other two rigid) and with the other two as they
     are, safety factor, reserve, frequency, strategy, and what each joint would have to gain: all of
     springs alone. With gains, which people have or ``nerves`` fixes where they have none, follow
-    the verdict, critical delay and delay margin with feedback (Distributions that are fixed).
-    ``body_model`` is that of all, or of ``female``, ``male`` and ``other``, for whom no own
-    segments were measured.
+    the verdict, critical delay and delay margin with feedback.
+
+    Parameters
+    ----------
+    people
+        of :func:`.read_people`, or the files that it is to read, whose own columns are kept.
+    body_model
+        the proportions of everybody, or of ``female``, ``male`` and ``other``; whoever has own
+        segments needs none.
+    gravity
+        m/s².
+    otherwise
+        stiffness (N·m/rad, ``inf`` is rigid) by joint, where it is not known of a person.
+    nerves
+        damping, delay and gains by parameter where they are not known, as fixed distributions.
+    progress
+        called with the persons done and all of them, again and again.
+
+    Returns
+    -------
+    Assessment: ``columns`` by name, (persons,) each, and ``strata()``.
+
+    Raises
+    ------
+    InputError
+        for a model or joint that is not known, a number out of range, or as :func:`.read_people`.
+
+    Examples
+    --------
+    >>> found = sf.assess("people.csv", otherwise={"knee": math.inf})  # doctest: +SKIP
+    >>> found.columns["safety_factor"], found.strata()["sex"]  # doctest: +SKIP
     """
+    if not isinstance(people, People):
+        people = read_people(people, keep_own=True)
+    models = checked_body_model("body_model", body_model)
+    setting, size = setting_of(people, models, checked_number("gravity", gravity))
+    known = _stiffnesses(people, otherwise or {})
+    fixed = dict(nerves)
+    fed_back = any(name in fixed or name in people.measured for name in GAINS)
+    step = _Steps(progress, len(people) * (1 + fed_back))
+    names = (*size, *STIFFNESSES)
+    given = np.array([*size.values(), *known.values()])
+    found = _in_pieces(_of_one, setting, names, given, step)
+    columns = _columns(people, known, found)
+    if fed_back:
+        everything = columns["stands"] != ""
+        columns |= _with_feedback(setting, names, given, people, fixed, everything, step)
+    return Assessment(people, columns, models)
+
+
+def _stiffnesses(people: People, otherwise: Mapping[str, float]) -> dict[str, np.ndarray]:
+    """Return the stiffness of each joint, measured or otherwise; NaN where it is not known."""
+    known_keys("otherwise", otherwise, JOINTS)
     known = {}
     for joint in JOINTS:
-        measured = people.measured.get(f"{joint}_stiffness", np.full(len(people), math.nan))
-        instead = (otherwise or {}).get(joint, math.nan)
+        name = f"{joint}_stiffness"
+        measured = people.measured.get(name, np.full(len(people), math.nan))
+        instead = otherwise.get(joint, math.nan)
+        if joint in otherwise:
+            instead = checked_number(f"otherwise[{joint!r}]", instead, row=PARAMETERS[name])
         known[joint] = np.where(np.isnan(measured), instead, measured)
-    setting, size = _bodies(people, body_model, gravity)
-    given = np.array([*size.values(), *known.values()])
-    names = (*size, *STIFFNESSES)
-    found = map_over_batch(_of_one, setting, names)(given)
+    return known
+
+
+class _Steps:
+    """Tells how far persons have come, over several passes."""
+
+    def __init__(self, progress: Callable[[int, int], None] | None, total: int) -> None:
+        self.progress, self.total, self.done = progress, total, 0
+
+    def __call__(self, persons: int) -> None:
+        """Count persons who are done."""
+        self.done += persons
+        if self.progress is not None:
+            self.progress(self.done, self.total)
+
+
+def _in_pieces(
+    function: Callable[[Any, Any], dict[str, Scalar]],
+    setting: Setting,
+    names: tuple[str, ...],
+    numbers: np.ndarray,
+    step: Callable[[int], None] = lambda _persons: None,
+) -> dict[str, np.ndarray]:
+    """Map a function of one person over all, in pieces of one length, so that it compiles once."""
+    mapped = map_over_batch(function, setting, names)
+    count = numbers.shape[1]
+    length = min(count, PIECE)
+    pieces = []
+    for first in range(0, count, length):
+        piece = np.arange(first, min(first + length, count))
+        found = mapped(np.ascontiguousarray(numbers[:, np.resize(piece, length)]))
+        pieces.append({name: values[: piece.size] for name, values in found.items()})
+        step(piece.size)
+    return {name: np.concatenate([each[name] for each in pieces]) for name in pieces[0]}
+
+
+def _columns(
+    people: People, known: Mapping[str, np.ndarray], found: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """Return what springs alone decide, by the names of columns."""
     told = {joint: ~np.isnan(values) for joint, values in known.items()}
     everything = np.all([*told.values()], axis=0)
     columns: dict[str, np.ndarray] = {
@@ -105,29 +177,7 @@ def assess(
         columns[name + unit] = np.where(everything, found[name], math.nan)
     hips_turn_more = np.abs(found["hip_ankle_ratio"]) > 1.0
     columns["strategy"] = np.where(everything, np.where(hips_turn_more, "hip", "ankle"), "")
-    columns |= _gains(known, columns)
-    fixed = dict(nerves)
-    if any(name in fixed or name in people.measured for name in GAINS):
-        columns |= _with_feedback(setting, names, given, people, fixed, everything)
-    return Assessment(people, columns)
-
-
-def _bodies(
-    people: People, body_model: str | Mapping[str, str], gravity: float
-) -> tuple[Setting, dict[str, np.ndarray]]:
-    """Return the models and gravity of all, and the numbers that make each one's body."""
-    sexes = tuple(dict.fromkeys(people.sex))
-    models = tuple(model_of_sex(body_model, sex) for sex in sexes)
-    numbers = {"height": people.height, "mass": people.mass}
-    if len(set(models)) > 1:
-        numbers["stratum"] = np.array([sexes.index(sex) for sex in people.sex], np.float64)
-    own = {name: people.measured[name] for name in OWN_BODY if name in people.measured}
-    return (models, float(gravity)), {**numbers, **own}
-
-
-def _body_of(setting: Setting, given: Mapping[str, Scalar]) -> Body:
-    scaled = scaled_body(setting[0], given.get("stratum", 0.0), given["height"], given["mass"])
-    return with_own_segments(scaled, given)
+    return columns | _gains(known, columns)
 
 
 def _with_feedback(
@@ -137,6 +187,7 @@ def _with_feedback(
     people: People,
     fixed: Mapping[str, ParameterDistribution],
     everything: np.ndarray,
+    step: Callable[[int], None],
 ) -> dict[str, np.ndarray]:
     """Return damping, delay and gains of each person, and what becomes of them with these.
 
@@ -144,7 +195,7 @@ def _with_feedback(
     """
     names = tuple(name for name in NERVES if name in fixed or name in people.measured)
     size = of_springs[: -len(STIFFNESSES)]
-    by_joint = map_over_batch(_loads, setting, size)(given[: len(size)])
+    by_joint = _in_pieces(_loads, setting, size, given[: len(size)])
     loads = (by_joint["ankle"], by_joint["knee"], by_joint["hip"])
     values = {}
     for name in names:
@@ -160,25 +211,33 @@ def _with_feedback(
     numbers = np.array([*given, *(np.nan_to_num(each) for each in values.values())])
     known = np.where(told, numbers, np.where(np.isnan(numbers), 0.0, numbers))
     known[: len(size)] = given[: len(size)]  # own segments that are not known are scaled
-    mapped = map_over_batch(_entries_of_one, setting, (*of_springs, *names))
-    found = judged(mapped(known))
+    of_one = (*of_springs, *names)
+    pieces = []
+    for first in range(0, len(people), PIECE):
+        piece = known[:, first : first + PIECE]
+        pieces.append(judged(_in_pieces(_entries_of_one, setting, of_one, piece)))
+        step(piece.shape[1])
+    stands, critical, margin = (
+        np.concatenate([getattr(each, name) for each in pieces])
+        for name in ("stands", "critical_delay", "delay_margin")
+    )
     return {
         **{f"{name}_{UNITS[PARAMETERS[name].unit]}": each for name, each in values.items()},
-        "stands_with_feedback": np.where(timed, np.where(found.stands, "yes", "no"), ""),
-        "critical_delay_s": np.where(told, found.critical_delay, math.nan),
-        "delay_margin_s": np.where(timed, found.delay_margin, math.nan),
+        "stands_with_feedback": np.where(timed, np.where(stands, "yes", "no"), ""),
+        "critical_delay_s": np.where(told, critical, math.nan),
+        "delay_margin_s": np.where(timed, margin, math.nan),
     }
 
 
 def _loads(setting: Setting, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
-    loads = joint_gravity(_body_of(setting, given), setting[1])[0]
+    loads = joint_gravity(body_in(setting, given), setting[1])[0]
     return dict(zip(JOINTS, loads, strict=True))
 
 
 def _entries_of_one(setting: Setting, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
     stiffness = Stiffness._make(given[name] for name in STIFFNESSES)
     nerves = {name: given[name] for name in NERVES if name in given}
-    return entries_of(_body_of(setting, given), stiffness, setting[1], nerves)
+    return entries_of(body_in(setting, given), stiffness, setting[1], nerves)
 
 
 def _gains(
@@ -202,18 +261,9 @@ def _gains(
     }
 
 
-def write_assessment(assessment: Assessment, path: Path) -> None:
-    """Write one line a person, whole or not at all."""
-    with whole_file(path) as partial, partial.open("w", encoding="utf-8", newline="") as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(assessment.columns)
-        for row in zip(*assessment.columns.values(), strict=True):
-            rows.writerow([_entry(value) for value in row])
-
-
 def _of_one(setting: Setting, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
     """Return everything about one person; what depends on an unknown stiffness is without sense."""
-    body, gravity = _body_of(setting, given), setting[1]
+    body, gravity = body_in(setting, given), setting[1]
     stiffness = Stiffness._make(given[name] for name in STIFFNESSES)
     person = (body, stiffness, gravity)
     alone, _, _ = joint_gravity(body, gravity)
@@ -228,10 +278,3 @@ def _of_one(setting: Setting, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
         "frequency": frequency_of(of_modes.eigenvalues[0]),
         "hip_ankle_ratio": ratio_to_ankle("hip", stiffness, of_modes),
     }
-
-
-def _entry(value: Any) -> str:
-    """Return a number with the digits that mean something; nothing for what is not known."""
-    if isinstance(value, str):
-        return for_spreadsheets(value)
-    return "" if math.isnan(value) else f"{value:.6g}"

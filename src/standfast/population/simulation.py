@@ -26,9 +26,10 @@ from standfast.population.cohort.histograms import Histograms
 from standfast.population.people.records import People
 from standfast.population.people.study import PopulationStudy
 from standfast.population.summary.file import Population, open_population
+from standfast.population.summary.keeping import identities, new_persons
 from standfast.population.summary.sensitivity import drivers_of
 from standfast.population.summary.summary import Summary
-from standfast.population.summary.writing import new_persons, write_summary
+from standfast.population.summary.writing import write_summary
 from standfast.run.computing import Task
 from standfast.run.loop import run_job
 from standfast.run.options import Announce, Executor, Progress, RunOptions, checked_options
@@ -190,7 +191,7 @@ class _Simulation:
     def out_of_shard(self, path: Path, shard: int) -> Iterator[Counts]:
         content = path.read_bytes()[HEADER_BYTES:]
         blocks = self.study.shards[shard][1] if self.study.keeps_persons else ()
-        kept = 8 * len(self.cohort.model.kept) * sum(map(self.study.block_persons, blocks))
+        kept = 8 * len(self.cohort.kept) * sum(map(self.study.block_persons, blocks))
         if len(content) != self._empty().nbytes + kept:
             raise InputError(f"{path} is not of its size; remove it, the same command then goes on")
         histograms = Histograms.from_bytes(content, *histogram_shapes(self.cohort))
@@ -201,7 +202,7 @@ class _Simulation:
         replicates = [self._empty() for _ in range(study.replicates)]
         with new_file(path) as file:
             if study.keeps_persons:
-                new_persons(file, study.size, self.cohort.model.kept)
+                new_persons(file, study, self.cohort.model.kept, self.cohort.people)
             for (replicate, numbers), piece in zip(study.shards, pieces, strict=True):
                 replicates[replicate].add(piece.histograms)
                 if study.keeps_persons:
@@ -211,14 +212,17 @@ class _Simulation:
 
     def _write_persons(self, file: h5py.File, start: int, blocks: range, kept: bytes) -> int:
         """Write what was kept of the persons of a shard's blocks; return where the next begin."""
-        at, names = 0, self.cohort.model.kept
+        at, names, cohort = 0, self.cohort.kept, self.cohort
         reserve(file, len(kept))
         for block in blocks:
             size = self.study.block_persons(block)
             end = at + 8 * len(names) * size
             columns = np.frombuffer(kept[at:end], np.float64).reshape(len(names), size)
-            for name, column in zip(names, columns, strict=True):
-                file[f"person_{name}"][start : start + size] = column
+            found = dict(zip(names, columns, strict=True))
+            told = {f"person_{name}": found[name] for name in cohort.model.kept}
+            told |= identities(self.study, cohort.strata, cohort.people, found)
+            for name, column in told.items():
+                file[name][start : start + size] = column
             start, at = start + size, end
         return start
 

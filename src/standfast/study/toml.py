@@ -13,7 +13,7 @@ def read_toml(path: str | Path) -> dict[str, Any]:
     """Return the content of a study file."""
     path = checked_path("study", path)
     try:
-        with io.TextIOWrapper(opened_plainly(path), encoding="utf-8") as file:
+        with io.TextIOWrapper(opened_plainly(path), encoding="utf-8-sig") as file:
             text = file.read()
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such study file") from None

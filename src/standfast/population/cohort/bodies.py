@@ -2,12 +2,16 @@
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from standfast.anthropometry.body import REFERENCE_PEOPLE, Body, body_of
 from standfast.numerics.arrays import Scalar, namespace
 from standfast.parameters import OWN_BODY
+from standfast.population.people.records import People
 
 # The people of one stratum, say of one sex, are scaled by one model; of each stratum its name.
 Models = tuple[str, ...]
+Setting = tuple[Models, float]  # and gravity
 
 
 def model_of_sex(body_model: str | Mapping[str, str], sex: str) -> str:
@@ -47,3 +51,22 @@ def _is_any(stratum: Scalar, numbers: Sequence[int]) -> Scalar:
 def _where(condition: Scalar, one: Body, other: Body) -> Body:
     xp = namespace(condition, *one, *other)
     return Body._make(xp.where(condition, a, b) for a, b in zip(one, other, strict=True))
+
+
+def setting_of(
+    people: People, body_model: str | Mapping[str, str], gravity: float
+) -> tuple[Setting, dict[str, np.ndarray]]:
+    """Return the models and gravity of all, and the numbers that make each one's body."""
+    sexes = tuple(dict.fromkeys(people.sex))
+    models = tuple(model_of_sex(body_model, sex) for sex in sexes)
+    numbers = {"height": people.height, "mass": people.mass}
+    if len(set(models)) > 1:
+        numbers["stratum"] = np.array([sexes.index(sex) for sex in people.sex], np.float64)
+    own = {name: people.measured[name] for name in OWN_BODY if name in people.measured}
+    return (models, gravity), {**numbers, **own}
+
+
+def body_in(setting: Setting, given: Mapping[str, Scalar]) -> Body:
+    """Return the body of one person by the numbers of :func:`setting_of`."""
+    scaled = scaled_body(setting[0], given.get("stratum", 0.0), given["height"], given["mass"])
+    return with_own_segments(scaled, given)

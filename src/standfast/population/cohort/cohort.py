@@ -7,11 +7,12 @@ import numpy as np
 from standfast.parameters import OWN_BODY
 from standfast.population.cohort.bodies import model_of_sex
 from standfast.population.cohort.persons import CohortModel
-from standfast.population.people.builtin import AGE_CLASSES
-from standfast.population.people.records import SEXES, People
+from standfast.population.people.classes import UNKNOWN, age_class, age_classes_of
+from standfast.population.people.records import People
 from standfast.population.people.sampling import Sampler
 from standfast.population.people.sobol import aligned
 from standfast.population.people.study import PopulationStudy
+from standfast.population.people.words import SEXES
 
 GUIDE_CELLS = 64  # of the table by which a row is found from a uniform number, for each row
 
@@ -31,6 +32,11 @@ class Cohort:
     def rows(self) -> int:
         """Number of persons of a file; 0 if built in."""
         return 0 if self.people is None else len(self.people)
+
+    @property
+    def kept(self) -> tuple[str, ...]:
+        """What is kept of every person when asked: of itself, and who it is."""
+        return (*self.model.kept, "stratum", *(["row"] if self.rows else []))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -68,8 +74,10 @@ def cohort_of(study: PopulationStudy, people: People | None) -> Cohort:
     else:
         # neighbours in this order are alike, which is what quasi-Monte Carlo lives on
         people = people.at(np.lexsort((people.height, people.height * people.mass)))
-        labels = [(sex, _age_class(age)) for sex, age in zip(people.sex, people.age, strict=True)]
-        ages = [name for _, name in AGE_CLASSES] + ["unknown"]
+        classes = age_classes_of(study.content["population"])
+        told = zip(people.sex, people.age, strict=True)
+        labels = [(sex, age_class(age, classes)) for sex, age in told]
+        ages = [name for _, name in classes] + [UNKNOWN]
         strata = tuple((sex, age) for sex in SEXES for age in ages if (sex, age) in set(labels))
         stratum = np.array([strata.index(label) for label in labels], np.float64)
     model = CohortModel(
@@ -85,12 +93,6 @@ def cohort_of(study: PopulationStudy, people: People | None) -> Cohort:
     sampler = Sampler(model.coordinates, study.correlation, study.method, study.seed)
     by_weight = WeightedRows.of(people.weight) if people is not None else None
     return Cohort(model, sampler, strata, people, stratum, by_weight)
-
-
-def _age_class(age: float) -> str:
-    if np.isnan(age):
-        return "unknown"
-    return next(name for start, name in reversed(AGE_CLASSES) if age >= start)
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Blocks of a cohort, sampled, judged and counted: the unit of a population's work."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,16 +10,20 @@ from standfast.engine.mapping import map_over_batch
 from standfast.parameters import JOINTS
 from standfast.population.cohort.cohort import Cohort
 from standfast.population.cohort.histograms import (
+    EXTREMES,
+    EXTREMES_FED_BACK,
     VALUE_BINS,
     bin_of,
     bins_of,
     class_of,
     class_shape,
+    classes_of,
     counted,
     signed_bin_of,
 )
 from standfast.population.cohort.nerves import FedBackPersons, fed_back
 from standfast.population.cohort.persons import growth, outcome
+from standfast.population.cohort.settling import settle_bins, settle_persons
 from standfast.population.people.study import PopulationStudy
 
 # Of so many persons the distributions are kept: more of them would add no digit that any model of
@@ -62,18 +66,23 @@ def count_block(study: PopulationStudy, cohort: Cohort, block: Block) -> Counts:
     if cohort.model.nerves:
         return _count_fed_back(study, cohort, variates, numbers, size)
     detailed = is_detailed(study, block)
-    judge = bins_of if detailed else class_of
-    found = map_over_batch(judge, cohort.model, cohort.names)(numbers)
-    found = {name: values[:size] for name, values in found.items()}
+    if detailed:
+        mapped = map_over_batch(bins_of, cohort.model, cohort.names)(numbers)
+        found = {name: values[:size] for name, values in mapped.items()}
+    else:
+        judge = map_over_batch(class_of, cohort.model, cohort.names)
+        found = classes_of(judge, numbers, size)
+    settled = settle_bins(cohort, numbers, found)
     shape = class_shape(len(cohort.strata))
     classes = np.bincount(found["class"], minlength=math.prod(shape))
-    counts: dict[str, np.ndarray] = {"classes": classes.reshape(shape)}
+    counts: dict[str, np.ndarray] = {"classes": classes.reshape(shape), "settled": settled}
     fallen = found["class"] & 1
     if detailed:
         counts |= _details(found)
         counts["growth_rate"] = _growth_rates(cohort, numbers, fallen)
     counts |= _rows(cohort, variates, fallen)
-    return Counts(counts, _persons(cohort, numbers, size) if study.keeps_persons else b"")
+    kept = _persons(cohort, variates, numbers, size) if study.keeps_persons else b""
+    return Counts(counts, kept)
 
 
 def _rows(cohort: Cohort, variates: np.ndarray, fallen: np.ndarray) -> dict[str, np.ndarray]:
@@ -89,7 +98,9 @@ def _count_fed_back(
     study: PopulationStudy, cohort: Cohort, variates: np.ndarray, numbers: np.ndarray, size: int
 ) -> Counts:
     """Count the persons of a block who have feedback, by their verdict at their own delay."""
-    of_springs = map_over_batch(class_of, cohort.model, cohort.names)(numbers)["class"][:size]
+    classed = classes_of(map_over_batch(class_of, cohort.model, cohort.names), numbers, size)
+    settled = settle_bins(cohort, numbers, classed)
+    of_springs = classed["class"]
     found = fed_back(cohort, numbers, size)
     fallen = (~found.stands).astype(of_springs.dtype)
     shape = class_shape(len(cohort.strata))
@@ -106,15 +117,24 @@ def _count_fed_back(
         "delay_margin": np.bincount(margins, minlength=2 * VALUE_BINS + 3),
         "by_springs": np.bincount(of_springs & 1, minlength=2),
         "left_open": np.array([found.uncertain.sum()]),
+        "settled": settled,
+        "extremes": _extremes(
+            {**vars(found), "delay_margin": found.delay_margin}, EXTREMES_FED_BACK
+        ),
         **_rows(cohort, variates, fallen),
     }
-    return Counts(counts, _kept(cohort, found) if study.keeps_persons else b"")
+    return Counts(counts, _kept(cohort, variates, found) if study.keeps_persons else b"")
 
 
 def _load_sums(found: Mapping[str, np.ndarray]) -> np.ndarray:
     """Return the sums of the joints' loads and of their squares."""
     loads = np.array([found[f"load_{joint}"] for joint in JOINTS])
     return np.array([loads.sum(axis=1), np.square(loads).sum(axis=1)])
+
+
+def _extremes(values: Mapping[str, np.ndarray], names: Sequence[str]) -> np.ndarray:
+    """Return the least of each, and the least of each with the other sign."""
+    return np.array([[(sign * values[n]).min() for n in names] for sign in (1.0, -1.0)])
 
 
 def _details(found: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -126,6 +146,7 @@ def _details(found: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     return {
         "safety_factor": counted(found["safety_factor"]),
         "required": np.array(required),
+        "extremes": _extremes({name: found[f"value_of_{name}"] for name in EXTREMES}, EXTREMES),
         "load_sums": _load_sums(found),
     }
 
@@ -140,13 +161,23 @@ def _growth_rates(cohort: Cohort, numbers: np.ndarray, fallen: np.ndarray) -> np
     return counted(bin_of(rates[: rows.size]))
 
 
-def _persons(cohort: Cohort, numbers: np.ndarray, size: int) -> bytes:
+def _persons(cohort: Cohort, variates: np.ndarray, numbers: np.ndarray, size: int) -> bytes:
     """Return what is kept of every person, as columns of float64."""
-    found = map_over_batch(outcome, cohort.model, cohort.names)(numbers)
-    return np.array([found[name][:size] for name in cohort.model.kept], np.float64).tobytes()
+    mapped = map_over_batch(outcome, cohort.model, cohort.names)(numbers)
+    found = {name: values[:size] for name, values in mapped.items()}
+    settle_persons(cohort, numbers, found)
+    return _columns(cohort, variates, found)
 
 
-def _kept(cohort: Cohort, found: FedBackPersons) -> bytes:
+def _columns(cohort: Cohort, variates: np.ndarray, found: Mapping[str, np.ndarray]) -> bytes:
+    """Return what is kept of persons, and which rows of a file they are, as float64."""
+    columns = dict(found)
+    if cohort.rows:
+        columns["row"] = cohort.rows_of(variates)[: found["stable"].size]
+    return np.array([columns[name] for name in cohort.kept], np.float64).tobytes()
+
+
+def _kept(cohort: Cohort, variates: np.ndarray, found: FedBackPersons) -> bytes:
     """Return what is kept of every person with feedback, as columns of float64."""
     columns = {**found.numbers, "critical_delay": found.critical_delay, "stable": found.stands}
-    return np.array([columns[name] for name in cohort.model.kept], np.float64).tobytes()
+    return _columns(cohort, variates, columns)

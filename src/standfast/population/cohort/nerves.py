@@ -13,7 +13,8 @@ from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import Scalar, namespace
 from standfast.parameters import JOINTS, STIFFNESSES
 from standfast.population.cohort.cohort import Cohort
-from standfast.population.cohort.persons import CohortModel, person_of
+from standfast.population.cohort.persons import CohortModel, near, person_of
+from standfast.population.cohort.settling import settled
 from standfast.stability.delay.persons import all_crossings
 from standfast.stability.delay.problem import directly
 from standfast.stability.springs import verdict
@@ -55,6 +56,8 @@ def equation(model: CohortModel, given: Mapping[str, Scalar]) -> dict[str, Scala
         **{f"load_{joint}": load for joint, load in zip(JOINTS, loads, strict=True)},
         "height": person.height,
         "mass": person.mass,
+        "stratum": person.stratum,
+        "near": near(model, person),
     }
 
 
@@ -78,7 +81,12 @@ def entries_of(
 def fed_back(cohort: Cohort, numbers: np.ndarray, size: int) -> FedBackPersons:
     """Return what becomes of the first ``size`` persons of (names, persons)."""
     mapped = map_over_batch(equation, cohort.model, cohort.names)(numbers)
-    return judged({name: values[:size] for name, values in mapped.items()})
+    found = {name: values[:size] for name, values in mapped.items()}
+    if found["near"].any():
+        rows, stand, _ = settled(cohort, numbers, found["near"])
+        found["springs"] = found["springs"].copy()
+        found["springs"][rows] = stand
+    return judged(found)
 
 
 def judged(found: Mapping[str, np.ndarray]) -> FedBackPersons:

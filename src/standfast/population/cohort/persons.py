@@ -12,7 +12,7 @@ from typing import Any
 from standfast.anthropometry.body import Body
 from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import joint_gravity
-from standfast.numerics.arrays import Scalar, Vector, namespace
+from standfast.numerics.arrays import ROUNDOFF, Scalar, Vector, namespace
 from standfast.parameters import JOINTS, OWN_BODY, STIFFNESSES
 from standfast.population.cohort.bodies import Models, scaled_body, with_own_segments
 from standfast.population.people.builtin import PROPORTIONS, Subpopulation
@@ -24,11 +24,14 @@ from standfast.population.people.distributions import (
 )
 from standfast.stability.margins import safety_factor
 from standfast.stability.modes import growth_rate_of, modes
+from standfast.stability.rounding import near_threshold, rounding_decides
 from standfast.stability.springs import critical_stiffness, verdict
 
 # The sole and the ankle: what of stature lies below the ankle, in the body models' source
 # (Winter, ankle height 0.039 of stature).
 BELOW_ANKLE = 0.039
+# Of a stiffness that is a multiple of a load: 5 roundings of the load and one of the product.
+OF_MULTIPLES = 6.0 * ROUNDOFF
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,11 +201,22 @@ def _scattered(
     )
 
 
+def in_doubt(model: CohortModel, person: Person) -> Scalar:
+    """Return whether rounding may decide if a person stands by springs alone."""
+    return rounding_decides(person.body, person.stiffness, model.gravity, scaling=OF_MULTIPLES)
+
+
+def near(model: CohortModel, person: Person) -> Scalar:
+    """Return whether a person may be :func:`in_doubt`, much more cheaply."""
+    return near_threshold(person.body, person.stiffness, model.gravity)
+
+
 def outcome(model: CohortModel, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
     """Return everything that is asked of one person.
 
-    ``stable``; ``safety_factor``; of each joint its own load with the other two rigid, its
-    threshold with the others as sampled (N·m/rad), and the multiple of its distribution there.
+    ``stable``, and whether that may be in doubt (``near``); ``safety_factor``; of each joint its
+    own load with the other two rigid, its threshold with the others as sampled (N·m/rad), and the
+    multiple of its distribution there.
     """
     person = person_of(model, given)
     body, stiffness = person.body, person.stiffness
@@ -213,6 +227,7 @@ def outcome(model: CohortModel, given: Mapping[str, Scalar]) -> dict[str, Scalar
         "mass": person.mass,
         "stratum": person.stratum,
         "stable": verdict(body, stiffness, model.gravity),
+        "near": near(model, person),
         "safety_factor": safety_factor(body, stiffness, model.gravity),
     }
     for joint, own, load, threshold in zip(
@@ -227,12 +242,16 @@ def outcome(model: CohortModel, given: Mapping[str, Scalar]) -> dict[str, Scalar
 
 
 def margins(model: CohortModel, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
-    """Return what sensitivity is asked of: falling (1 or 0) and the safety factor."""
+    """Return what sensitivity is asked of: falling (1 or 0) and the safety factor.
+
+    And whether the first may be in doubt (``near``).
+    """
     person = person_of(model, given)
     stands = verdict(person.body, person.stiffness, model.gravity)
     xp = namespace(*person.body)
     return {
         "unstable": xp.where(stands, 0.0, 1.0),
+        "near": near(model, person),
         "safety_factor": safety_factor(person.body, person.stiffness, model.gravity),
     }
 

@@ -1,20 +1,25 @@
-"""CSV files of people: columns found by their names, units made SI, every line kept apart."""
+"""Files of people: columns found by their names, units made SI, every line kept apart."""
 
-import contextlib
-import csv
 import difflib
-import hashlib
-import io
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import chain
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeAlias
 
 from standfast.errors import InputError
-from standfast.files import opened_plainly
-from standfast.parameters import DAMPINGS, GAINS, OWN_BODY, PARAMETERS, STIFFNESSES, number_in
+from standfast.parameters import (
+    DAMPINGS,
+    GAINS,
+    OWN_BODY,
+    PARAMETERS,
+    STIFFNESSES,
+    Parameter,
+    number_in,
+)
+from standfast.population.people.decimals import Comma, both_readings, comma_of, plain_number
+from standfast.population.people.decoding import Row, called, text_of
+from standfast.population.people.words import AGE, is_numbered
 
 # What may have been measured of a person.
 MEASURABLE = (*STIFFNESSES, *DAMPINGS, "feedback_delay", *GAINS, *OWN_BODY)
@@ -35,8 +40,13 @@ NAMES: Mapping[tuple[str, float], str] = {
     ("height", 1.0): "height height_m stature_m",
     ("height", 100.0): "height_cm stature_cm bmxht",
     ("height", 1000.0): "height_mm stature_mm stature",
+    ("height", 1.0 / 0.0254): "height_in height_inch height_inches stature_in stature_inches",
+    ("height", 1.0 / 0.3048): "height_ft height_feet",
     ("mass", 1.0): "mass mass_kg body_mass body_mass_kg weight_kg body_weight_kg bmxwt",
     ("mass", 10.0): "weightkg",
+    ("mass", 1000.0): "mass_g weight_g body_mass_g",
+    ("mass", 1.0 / 0.45359237): "mass_lb mass_lbs mass_pounds weight_lb weight_lbs weight_pounds "
+    "body_mass_lb body_mass_lbs body_weight_lb body_weight_lbs",
     ("sex", 1.0): "sex gender riagendr",
     ("age", 1.0): "age age_years years ridageyr",
     ("id", 1.0): "id name subject subjectid subject_id participant seqn",
@@ -54,94 +64,115 @@ Columns: TypeAlias = dict[str, tuple[int, float]]
 
 
 MOST_COLUMNS = 5000
-
-# Comes after the last line, alone in its row unless a quotation mark is open.
-END = "\0"
-
-
-def digest(paths: Sequence[Path]) -> str:
-    """Return the SHA-256 of the files' contents, one after the other."""
-    digests = [hashlib.sha256(_bytes_of(path)).digest() for path in paths]
-    return hashlib.sha256(b"".join(digests)).hexdigest()
+WEIGHT = Parameter("weight", "", "1", "weight of the record", 0.0, 1e12)
+RANGES: Mapping[str, Parameter] = {**PARAMETERS, "age": AGE, "weight": WEIGHT}
+# What is no number.
+WORDS = ("id", "sex", "pregnant")
 
 
 @dataclass(frozen=True)
 class Table:
-    """The recognised columns of one file: text by field, with the line of each row."""
+    """The recognised columns of one file: text by field, with the line of each row.
+
+    ``own`` holds the columns that are not recognised, of each row; ``refused`` what of a row can be
+    read in two ways, by its line.
+    """
 
     name: str
     header: tuple[str, ...]
     columns: Columns
     rows: list[tuple[int, dict[str, str]]]
     remarks: tuple[str, ...]
+    own_names: tuple[str, ...] = ()
+    own: list[tuple[str, ...]] = field(default_factory=list)
+    refused: dict[int, str] = field(default_factory=dict)
 
 
-def _bytes_of(path: Path) -> bytes:
-    try:
-        with opened_plainly(path) as file:
-            return file.read()
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file of people") from None
-    except IsADirectoryError:
-        raise InputError(f"{path} is a folder; give a CSV file of people") from None
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror}") from None
-    except ValueError:
-        raise InputError(f"{str(path)!r} is not the name of a file") from None
+def read_table(path: Path, *, keep_own: bool = False) -> Table:
+    """Read the columns of one file that are known by name, as text in SI units.
 
-
-def read_table(path: Path) -> Table:
-    """Read the columns of one file that are known by name, as text in SI units."""
-    raw = _bytes_of(path)
-    try:
-        text = raw.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        text = raw.decode("latin-1")
-    if not text.strip():
-        raise InputError(f"{path} is empty; give a header line and one line a person")
-    header_line = text.lstrip().splitlines()[0]
-    separator = max(",;\t", key=header_line.count)
-    lines = _rows_of(path, text, separator)
-    _, _, header = next(lines, (0, 0, []))
+    ``keep_own`` keeps all other columns too.
+    """
+    text = text_of(path)
+    name = called(path)
+    _, _, header = next(text.rows, (0, 0, []))
     if len(header) > MOST_COLUMNS:
         raise InputError(f"{path} has {len(header):,} columns; at most {MOST_COLUMNS:,} are read")
     columns = _recognised(path, header)
-    rows = []
-    for first, last, row in lines:
-        entries = {}
-        for field, (place, factor) in columns.items():
-            entry = row[place].strip() if place < len(row) else ""
-            if "\n" in entry or "\r" in entry:
-                raise InputError(
-                    f"{path}, line {first}: a quotation mark opens in this row and closes on line "
-                    f"{last} only; close or remove it"
-                )
-            if separator == ";" and field not in ("id", "sex"):
-                entry = entry.replace(",", ".")
-            entries[field] = entry if factor == 1.0 else _in_si(entry, factor)
-        rows.append((last, entries))
-    if not rows:
+    lines = list(text.rows)
+    if not lines:
         raise InputError(f"{path} has a header and no rows; give one line a person")
-    return Table(path.name, tuple(header), columns, rows, _misspelt(header, columns))
+    entries = [_entries(path, columns, *line) for line in lines]
+    numbers = [f for f in columns if f not in WORDS]
+    comma = comma_of((row[f] for row in entries for f in numbers), text.separator)
+    refused = _too_long(header, lines)
+    for (_, last, _), row in zip(lines, entries, strict=True):
+        for f in numbers:
+            place, factor = columns[f]
+            if (plain := _plain(row[f], comma, RANGES.get(f), factor)) is None:
+                refused.setdefault(
+                    last,
+                    f"the column {header[place]!r} has {row[f]!r}, which may be "
+                    f"{both_readings(row[f])}; write one of them",
+                )
+            else:
+                row[f] = plain if factor == 1.0 else _in_si(plain, factor)
+    taken = {place for place, _ in columns.values()}
+    own = [n for n in range(len(header)) if n not in taken and header[n].strip()] * keep_own
+    return Table(
+        name,
+        tuple(header),
+        columns,
+        [(last, row) for (_, last, _), row in zip(lines, entries, strict=True)],
+        (*text.remarks, *_misspelt(header, columns), *_numbered_sex(header, columns, entries)),
+        _each_once([header[n].strip() for n in own]),
+        [tuple(row[n].strip() if n < len(row) else "" for n in own) for _, _, row in lines],
+        refused,
+    )
 
 
-def _rows_of(path: Path, text: str, separator: str) -> Iterator[tuple[int, int, list[str]]]:
-    """Go through the rows that are not empty, each with its first and its last line."""
-    if END in text:
-        raise InputError(f"{path} is not a CSV file; if it is one in UTF-16, save it as UTF-8")
-    lines = csv.reader(chain(io.StringIO(text, newline=""), [END]), delimiter=separator)
-    first = 1
-    # the module ends a quotation at the end of the file, or at its limit, without a word of it
-    with contextlib.suppress(csv.Error):
-        for row in lines:
-            if row == [END]:
-                return
-            if row and END in row[-1]:
-                break
-            if any(entry.strip() for entry in row):
-                yield first, lines.line_num, row
-            first = lines.line_num + 1
-    raise InputError(f"{path}, line {first}: a quotation mark opens in this row and is not closed")
+def _entries(
+    path: Path, columns: Columns, first: int, last: int, row: Sequence[str]
+) -> dict[str, str]:
+    """Return the recognised entries of a row, as they stand there."""
+    entries = {f: row[n].strip() if n < len(row) else "" for f, (n, _) in columns.items()}
+    if any("\n" in entry or "\r" in entry for entry in entries.values()):
+        raise InputError(
+            f"{path}, line {first}: a quotation mark opens in this row and closes on line "
+            f"{last} only; close or remove it"
+        )
+    return entries
+
+
+def _too_long(header: Sequence[str], lines: Sequence[Row]) -> dict[int, str]:
+    """Refuse rows with more entries than columns: what of them stands where is not known."""
+    return {
+        last: f"{len(row)} entries under {len(header)} columns; is a decimal comma not in quotes?"
+        for _, last, row in lines
+        if any(entry.strip() for entry in row[len(header) :])
+    }
+
+
+def _each_once(names: Sequence[str]) -> tuple[str, ...]:
+    """Return names of which those that are there again are numbered."""
+    told: list[str] = []
+    for name in names:
+        again = sum(each == name for each in names[: len(told)])
+        told.append(f"{name} ({again + 1})" if again else name)
+    return tuple(told)
+
+
+def _plain(entry: str, comma: Comma, row: Parameter | None, factor: float) -> str | None:
+    """Return :func:`.plain_number`; of two numbers that one which alone is in the range."""
+    plain = plain_number(entry, comma)
+    if plain is not None or row is None:
+        return plain
+    possible = [
+        number
+        for number in both_readings(entry).split(" or ")
+        if row.lowest <= float(number) / factor <= row.highest
+    ]
+    return possible[0] if len(possible) == 1 else None
 
 
 def _recognised(path: Path, header: Sequence[str]) -> Columns:
@@ -170,6 +201,17 @@ def _misspelt(header: Sequence[str], found: Columns) -> tuple[str, ...]:
         if near and _normal(name) not in COLUMNS and COLUMNS[near[0]][0] not in found:
             remarks.append(f"the column {name!r} is not used; did you mean {near[0]!r}?")
     return tuple(remarks)
+
+
+def _numbered_sex(
+    header: Sequence[str], columns: Columns, rows: Sequence[Mapping[str, str]]
+) -> tuple[str, ...]:
+    """Say how numbers are read as a sex, but where NHANES is known by the column's name."""
+    if "sex" not in columns or _normal(header[columns["sex"][0]]) == "riagendr":
+        return ()
+    if not any(is_numbered(row["sex"]) for row in rows):
+        return ()
+    return ("sex is given by numbers: 1 is read as male and 2 as female",)
 
 
 def _normal(name: str) -> str:

@@ -152,8 +152,13 @@ def checked_distribution(name: str, given: Any) -> ParameterDistribution:
         )
     if "law" in given:
         return checked_distribution(name, _ready(row, given))
+    if "distribution" not in given:
+        raise InputError(
+            f"[{where}] has no distribution; write distribution = one of {', '.join(DISTRIBUTIONS)}"
+            f"{_or_law(row)}"
+        )
     distribution = checked_word(
-        f"{where}.distribution", given.get("distribution"), DISTRIBUTIONS, "distributions"
+        f"{where}.distribution", given["distribution"], DISTRIBUTIONS, "distributions"
     )
     names = DISTRIBUTIONS[distribution]
     choice = () if distribution == "measured" else ("relative_to",)
@@ -165,9 +170,18 @@ def checked_distribution(name: str, given: Any) -> ParameterDistribution:
     for key in names:
         if key not in given:
             raise InputError(f"{where}.{key} is missing; {distribution} takes {', '.join(names)}")
+    if distribution != "fixed" and any(given[key] == math.inf for key in names):
+        raise InputError(
+            f'{where}: only distribution = "fixed" may be inf (rigid), not {distribution}'
+        )
     numbers = tuple(_number(row, relative_to, key, given[key]) + 0.0 for key in names)
     _check_numbers(where, distribution, numbers)
     return ParameterDistribution(distribution, relative_to, numbers, signed=name in CROSS_GAINS)
+
+
+def _or_law(row: Parameter) -> str:
+    ready = READY_DISTRIBUTIONS.get(row.place.removeprefix("stiffness."), {})
+    return f", or law = one of {', '.join(ready)}" if ready else ""
 
 
 def _ready(row: Parameter, given: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -191,11 +205,13 @@ def _number(row: Parameter, relative_to: str, key: str, given: Any) -> float:
     """Check one number of a distribution: in the parameter's unit, or as a multiple of a load."""
     where = f"{row.place}.{key}"
     of_springs = row.section == "stiffness"
+    # what is drawn is never rigid
+    row = replace(row, or_rigid=row.or_rigid and key == "value")
     lowest = row.lowest if row.name in CROSS_GAINS and key != "sd" else 0.0
     if relative_to == "absolute":
         return _not_negative(where, given, row if of_springs else replace(row, lowest=lowest))
     if of_springs:
-        return checked_number(where, given, row=MULTIPLE)
+        return checked_number(where, given, row=replace(MULTIPLE, or_rigid=row.or_rigid))
     unit = "1" if row.unit == PARAMETERS["ankle_stiffness"].unit else "s"
     lowest = max(lowest, -LARGEST_MULTIPLE)
     multiple = replace(row, unit=unit, lowest=lowest, highest=LARGEST_MULTIPLE)
@@ -227,10 +243,6 @@ def _check_numbers(where: str, distribution: str, numbers: tuple[float, ...]) ->
     """Refuse numbers that no such distribution has."""
     if distribution in ("fixed", "measured"):
         return
-    if any(math.isinf(number) for number in numbers):
-        raise InputError(
-            f'{where}: only distribution = "fixed" may be inf (rigid), not {distribution}'
-        )
     first, second = numbers
     if distribution == "lognormal" and first <= 0.0:
         raise InputError(f"{where}.mean = {first:g} has no lognormal; give a mean above 0")

@@ -2,22 +2,26 @@
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from standfast.errors import InputError, nearest_name
 from standfast.parameters import BODY_MODELS
 from standfast.population.people.builtin import PARTITION, POPULATIONS, Subpopulation
-from standfast.population.people.csv_table import digest
+from standfast.population.people.classes import checked_bands
+from standfast.population.people.decoding import STANDARD_INPUT, digest
 from standfast.population.people.distributions import checked_word
-from standfast.population.people.records import SEXES
 from standfast.population.people.sobol import REPLICATES
+from standfast.population.people.words import SEXES
 from standfast.study.values import known_keys
 
 # Who gets a body model of its own: the two sexes, and whoever is, or is known to be, neither.
 OF_SEX = (*SEXES[:2], "other")
-KEYS = ("people", "builtin", "sex", "age", "body_model", "proportions", "size", "seed", "method")
+KEYS = (
+    "people", "builtin", "sex", "age", "age_bands", "body_model", "proportions", "size", "seed",
+    "method",
+)  # fmt: skip
 # What is chosen by a word: the one that holds where nothing is said, and all.
 CHOICES = {
     "proportions": ("fixed", ("fixed", "scattered")),
@@ -43,6 +47,11 @@ def checked_population(given: Any, folder: Path) -> tuple[dict[str, Any], tuple[
         )
     if "people" in given:
         names = given["people"] if isinstance(given["people"], list | tuple) else [given["people"]]
+        if STANDARD_INPUT in names:
+            raise InputError(
+                "population.people = '-' is standard input, which a study that goes on after a "
+                "break cannot read again; give a file"
+            )
         if not names or not all(isinstance(name, str) and name for name in names):
             raise InputError(
                 f"population.people = {given['people']!r} is not the name of a CSV file, "
@@ -54,10 +63,18 @@ def checked_population(given: Any, folder: Path) -> tuple[dict[str, Any], tuple[
     else:
         checked["builtin"] = checked_word("population.builtin", given["builtin"], POPULATIONS)
     if "sex" in given:
-        checked["sex"] = checked_word("population.sex", given["sex"], SEXES[:2])
+        known = SEXES[:3] if "people" in checked else SEXES[:2]
+        checked["sex"] = checked_word("population.sex", given["sex"], known)
     if "age" in given:
         age_range(given["age"])
         checked["age"] = given["age"]
+    if "age_bands" in given:
+        if "builtin" in checked:
+            raise InputError(
+                "population.age_bands needs people of known age in a file; a built-in population "
+                "has the age groups of its survey"
+            )
+        checked["age_bands"] = checked_bands("population.age_bands", given["age_bands"])
     if "builtin" in checked:
         subpopulations_of(checked)
     checked["body_model"] = checked_body_model(
@@ -99,14 +116,24 @@ def whole_number(key: str, given: Any, lowest: int, highest: int) -> int:
     return given
 
 
-def age_range(given: Any) -> tuple[float, float]:
+def age_range(given: Any, where: str = "population.age") -> tuple[float, float]:
     """Return the ages of "65+" or "20-39": from the first to before the last."""
     match = re.fullmatch(r"(\d{1,3})(?:\+|-(\d{1,3}))", given) if isinstance(given, str) else None
     if match is None or (match[2] is not None and int(match[2]) < int(match[1])):
-        raise InputError(
-            f'population.age = {given!r} is not a range of ages; write "65+" or "20-39"'
-        )
+        raise InputError(f'{where} = {given!r} is not a range of ages; write "65+" or "20-39"')
     return float(match[1]), math.inf if match[2] is None else float(match[2]) + 1.0
+
+
+def selection(
+    sex: str | None, age: str | None, where: str = "population.age"
+) -> Callable[[str, float], bool]:
+    """Return what tells of sex and age whether a person is wanted; None wants all."""
+    lowest, highest = age_range(age, where) if age is not None else (0.0, math.inf)
+
+    def selected(of: str, years: float) -> bool:
+        return (sex is None or of == sex) and (age is None or lowest <= years < highest)
+
+    return selected
 
 
 def subpopulations_of(population: Mapping[str, Any]) -> tuple[Subpopulation, ...]:

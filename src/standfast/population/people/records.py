@@ -9,18 +9,16 @@ import numpy as np
 
 from standfast.errors import InputError
 from standfast.parameters import PARAMETERS, Parameter, checked_number, number_in
-from standfast.population.people.csv_table import MEASURABLE, Table, hint, read_table
+from standfast.population.people.csv_table import MEASURABLE, WEIGHT, Table, hint, read_table
+from standfast.population.people.joining import (
+    added_by_id,
+    joined,
+    own_names,
+    repeated_ids,
+)
 from standfast.population.people.own_segments import check_body, without_some_segments
-
-SEXES = ("male", "female", "unknown")
-ADULT = 18
-SEX_WORDS = dict.fromkeys(("male", "m", "man"), "male")
-SEX_WORDS |= dict.fromkeys(("female", "f", "woman", "w"), "female")
-SEX_WORDS |= dict.fromkeys(("unknown", "other", "na", "nan", "none", "n/a", "", "."), "unknown")
-NHANES_SEX = {1.0: "male", 2.0: "female"}
-NOTHING = ("", ".", "na", "nan", "none")
-AGE = Parameter("age", "", "years", "age", 0.0, 130.0)
-WEIGHT = Parameter("weight", "", "1", "weight of the record", 0.0, 1e12)
+from standfast.population.people.remarks import remarks_on
+from standfast.population.people.words import age_of, is_nothing, is_top_coded, sex_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +44,7 @@ class People:
     age: np.ndarray
     weight: np.ndarray
     measured: Mapping[str, np.ndarray]  # stiffness, damping, delay, gains, by parameter
+    own: Mapping[str, tuple[str, ...]]  # columns that are not recognised, where they are kept
     rejected: tuple[Rejection, ...]
     not_selected: int
     remarks: tuple[str, ...]
@@ -69,74 +68,125 @@ class People:
             age=self.age[rows],
             weight=self.weight[rows],
             measured={name: values[rows] for name, values in self.measured.items()},
+            own={name: tuple(each[row] for row in rows) for name, each in self.own.items()},
         )
 
 
 def read_people(
-    paths: Sequence[Path],
+    paths: str | Path | Sequence[str | Path],
     *,
     strict: bool = False,
     needed: Sequence[str] = (),
     selected: Callable[[str, float], bool] | None = None,
+    keep_own: bool = False,
 ) -> People:
-    """Read persons from CSV files.
+    """Read persons from CSV or Excel files, each row checked.
 
     Files with height and mass hold persons, one after the other; further files add columns to them,
-    joined by id. Refused if a file or a column is missing, no row can be used, or ids do not join.
-    Separators may be commas, semicolons (with decimal commas) or tabs. ``strict`` stops at the
-    first row that cannot be used; ``needed`` are measured parameters without which none is used;
-    ``selected`` tells from sex and age whether a person belongs to the population.
+    joined by id. Separators may be commas, semicolons, tabs or ``|``, decimals be written with a
+    point or a comma; text may be UTF-8, or UTF-16 with its mark. Of ``.xlsx`` the first sheet is
+    read, by pandas. Columns are known by their names, which say the unit: ``height`` (m),
+    ``height_cm``, ``height_in``, ``mass`` (kg), ``weight_lb`` and so on.
+
+    Parameters
+    ----------
+    paths
+        one file, or several; ``-`` is standard input.
+    strict
+        stop at the first row that cannot be used.
+    needed
+        measured parameters without which a person is not used, as ``"ankle_stiffness"``.
+    selected
+        tells from sex and age (years, NaN if not known) whether a person is wanted.
+    keep_own
+        keep the columns that are not recognised, as text.
+
+    Returns
+    -------
+    People: height (m), mass (kg), sex, age (years) and what was measured (SI units), arrays of
+    (persons,) each; and every row that could not be used, with its line and reason.
+
+    Raises
+    ------
+    InputError
+        if a file or a column is missing, no row can be used, ids do not join, or with ``strict``
+        for the first row that cannot be used.
+
+    Examples
+    --------
+    >>> people = sf.read_people("people.csv")  # doctest: +SKIP
+    >>> people.height.mean(), len(people.rejected)  # doctest: +SKIP
     """
-    tables = [read_table(path) for path in paths]
+    if isinstance(paths, str | Path):
+        paths = [paths]
+    tables = [read_table(Path(path), keep_own=keep_own) for path in paths]
+    if not tables:
+        raise InputError("no file of people is given")
+    return _people_in(tables, strict, needed, selected)
+
+
+def _people_in(
+    tables: Sequence[Table],
+    strict: bool,
+    needed: Sequence[str],
+    selected: Callable[[str, float], bool] | None,
+) -> People:
+    """Read persons from tables; parameters are those of :func:`read_people`."""
     holders = [table for table in tables if {"height", "mass"} <= set(table.columns)]
-    added = _by_id(tables, holders)
     columns = {field for table in tables for field in table.columns}
     columns, remark = without_some_segments(columns)
+    added = added_by_id(tables, holders)
     _check_columns(tables[0], holders, columns, needed)
-    persons: list[dict[str, object]] = []
-    rejected: list[Rejection] = []
-    not_selected = 0
+    found = _Sorted([], [], [], 0)
     for table in holders:
-        for line, row in table.rows:
-            joined = _joined(row, added)
+        for number, (line, row) in enumerate(table.rows):
+            own = dict(zip(table.own_names, table.own[number], strict=True))
+            whole = joined(row, own, added)
             try:
-                person = _checked_person(joined, columns, needed, selected)
+                _require_plain(table.refused.get(line, whole.refused))
+                person = _checked_person(whole.row, columns, needed, selected)
             except InputError as error:
-                rejection = Rejection(table.name, line, str(error))
-                if strict:
-                    raise InputError(f"{rejection} (--strict)") from None
-                rejected.append(rejection)
-                continue
-            if person is None:
-                not_selected += 1
+                found.reject(Rejection(table.name, line, str(error)), strict)
             else:
-                persons.append({**person, "id": joined.get("id") or str(line)})
-    if not persons:
-        raise InputError(_nobody(tables[0], rejected, not_selected))
-    return _people(tables, columns, persons, tuple(rejected), not_selected, remark)
+                found.add(person, whole.row.get("id") or str(line), whole.own)
+    if not found.persons:
+        raise InputError(_nobody(tables[0], found.rejected, found.not_selected))
+    return _people(tables, columns, found, own_names(holders, tables), remark)
 
 
-def _joined(
-    row: Mapping[str, str], added: Sequence[Mapping[str, Mapping[str, str]]]
-) -> dict[str, str]:
-    """Return a row with what files of more columns have under its id; its own entries prevail."""
-    joined = dict(row)
-    for more in added:
-        key = _plain_id(row["id"])
-        own = {field: entry for field, entry in joined.items() if entry}
-        joined = {**joined, **(more.get(key, {}) if key else {}), **own}
-    return joined
+@dataclass
+class _Sorted:
+    """Rows as they are sorted into persons, rejected ones, and those of another sex or age."""
+
+    persons: list[dict[str, object]]
+    own: list[Mapping[str, str]]
+    rejected: list[Rejection]
+    not_selected: int
+
+    def reject(self, row: Rejection, strict: bool) -> None:
+        """Take a row that cannot be used, or stop at it."""
+        if strict:
+            raise InputError(f"{row} (--strict)") from None
+        self.rejected.append(row)
+
+    def add(self, person: dict[str, object] | None, name: str, own: Mapping[str, str]) -> None:
+        """Take a checked person, None for one who is not selected."""
+        if person is None:
+            self.not_selected += 1
+        else:
+            self.persons.append({**person, "id": name})
+            self.own.append(own)
 
 
 def _people(
     tables: Sequence[Table],
     columns: Container[str],
-    persons: Sequence[Mapping[str, object]],
-    rejected: tuple[Rejection, ...],
-    not_selected: int,
+    found: _Sorted,
+    own: Sequence[str],
     remark: tuple[str, ...],
 ) -> People:
     """Put checked persons together, column by column."""
+    persons = found.persons
 
     def column(name: str) -> np.ndarray:
         return np.array([person[name] for person in persons], np.float64)
@@ -146,8 +196,8 @@ def _people(
         raise InputError(f"{tables[0].name}: the weights of all usable rows are 0")
     remarks = [f"{table.name}: {each}" for table in tables for each in table.remarks]
     remarks += [f"{tables[0].name}: {each}" for each in remark]
-    if children := int((column("age") < ADULT).sum()):
-        remarks.append(f"{children:,} are under {ADULT} years, and the body models are of adults")
+    remarks += [each for table in tables for each in repeated_ids(table)]
+    remarks += remarks_on(persons)
     return People(
         tuple(str(person["id"]) for person in persons),
         column("height"),
@@ -156,37 +206,11 @@ def _people(
         column("age"),
         weight,
         {name: column(name) for name in MEASURABLE if name in columns},
-        rejected,
-        not_selected,
+        {name: tuple(each.get(name, "") for each in found.own) for name in own},
+        tuple(found.rejected),
+        found.not_selected,
         tuple(remarks),
     )
-
-
-def _by_id(tables: Sequence[Table], holders: Sequence[Table]) -> list[dict[str, dict[str, str]]]:
-    """Return the rows, by id, of the files that only add columns."""
-    others = [table for table in tables if table not in holders]
-    if not holders or not others:
-        return []
-    ids = set()
-    for table in tables:
-        if "id" not in table.columns:
-            raise InputError(
-                f"{', '.join(t.name for t in tables)} cannot be joined: {table.name} has no column "
-                "of ids (id, subject, SEQN)"
-            )
-        if table in holders:
-            ids |= {_plain_id(row["id"]) for _, row in table.rows}
-    added = []
-    for table in others:
-        rows: dict[str, dict[str, str]] = {}
-        for line, row in table.rows:
-            if (key := _plain_id(row["id"])) in rows:
-                raise InputError(f"{table.name}, line {line}: the id {row['id']!r} is there twice")
-            rows[key] = row
-        if not ids & set(rows):
-            raise InputError(f"{table.name} has no id that {holders[0].name} has")
-        added.append(rows)
-    return added
 
 
 def _check_columns(
@@ -204,6 +228,12 @@ def _check_columns(
             )
 
 
+def _require_plain(refused: str) -> None:
+    """Refuse a row of which something can be read in two ways."""
+    if refused:
+        raise InputError(refused)
+
+
 def _number(entry: str, name: str, row: Parameter) -> float:
     try:
         number: float | str = number_in(entry)
@@ -219,12 +249,13 @@ def _checked_person(
     selected: Callable[[str, float], bool] | None,
 ) -> dict[str, object] | None:
     """Check one person; None if not of those selected."""
-    sex, age = _sex(row.get("sex", "")), _optional(row.get("age", ""), "age", AGE)
+    sex, age = sex_of(row.get("sex", "")), age_of(row.get("age", ""))
     if selected is not None and not selected(sex, age):
         return None
-    person: dict[str, object] = {"sex": sex, "age": age}
+    top_coded = is_top_coded(row.get("age", ""))
+    person: dict[str, object] = {"sex": sex, "age": age, "top_coded": top_coded}
     for field in ("height", "mass"):
-        if row[field].lower() in NOTHING:
+        if is_nothing(row[field]):
             raise InputError(f"no {field}")
         person[field] = _number(row[field], field, PARAMETERS[field])
     if row.get("pregnant", "") in ("1", "1.0"):
@@ -236,7 +267,7 @@ def _checked_person(
     for name in MEASURABLE:
         if name in columns:
             entry = row.get(name, "")
-            if name in needed and entry.lower() in NOTHING:
+            if name in needed and is_nothing(entry):
                 raise InputError(f"no {name}")
             person[name] = _optional(entry, name, PARAMETERS[name])
     check_body(person)
@@ -244,24 +275,7 @@ def _checked_person(
 
 
 def _optional(entry: str, name: str, row: Parameter) -> float:
-    return math.nan if entry.lower() in NOTHING else _number(entry, name, row)
-
-
-def _sex(entry: str) -> str:
-    word = entry.lower()
-    if word in SEX_WORDS:
-        return SEX_WORDS[word]
-    try:
-        return NHANES_SEX[number_in(word)]
-    except (ValueError, KeyError):
-        raise InputError(
-            f"sex = {entry!r} is not known; write male or female, or leave it empty"
-        ) from None
-
-
-def _plain_id(entry: str) -> str:
-    """Return an id as text; 93703.0 and 93703 are one person."""
-    return entry.removesuffix(".0")
+    return math.nan if is_nothing(entry) else _number(entry, name, row)
 
 
 def _nobody(table: Table, rejected: Sequence[Rejection], not_selected: int) -> str:

@@ -21,6 +21,7 @@ from standfast.parameters import (
     checked_number,
 )
 from standfast.population.people.distributions import (
+    DISTRIBUTIONS,
     Distributions,
     ParameterDistribution,
     checked_distribution,
@@ -30,6 +31,8 @@ from standfast.study.values import known_keys
 
 # Below it a gain of the ankle (N·m/rad) holds nobody, and looks like a multiple of mgh.
 LEAST_GAIN = 5.0
+# The same of any joint's stiffness: the hip of a light child takes more than ten times that.
+LEAST_STIFFNESS = 5.0
 # What a person may have beside springs, in the order in which it is drawn.
 NERVES = (*DAMPINGS, "feedback_delay", *GAINS)
 SECTIONS = ("damping", "feedback")
@@ -132,11 +135,19 @@ def refuse_measured(distributions: Distributions) -> None:
 
 
 def likely_slips(distributions: Distributions) -> list[str]:
-    """Return notes on gains in N·m/rad that look like another unit, which cannot be refused."""
+    """Return notes on numbers in N·m/rad that look like another unit, which cannot be refused."""
     notes = []
     for name, each in distributions:
+        place = PARAMETERS[name].place
         first = each.numbers[0] if each.numbers and each.relative_to == "absolute" else 0.0
-        if note := likely_per_degree({name: first}):
+        if name in STIFFNESSES:
+            key = DISTRIBUTIONS[each.kind][0] if each.numbers else ""
+            if 0.0 < first < LEAST_STIFFNESS:
+                notes.append(
+                    f"{place}.{key} = {first:g} N·m/rad holds nobody; did you mean a multiple: "
+                    'relative_to = "mgh" or "single_joint_critical"?'
+                )
+        elif note := likely_per_degree({name: first}):
             notes.append(note)
         elif name == "ankle_proportional_gain" and 0.0 < first < LEAST_GAIN:
             notes.append(

@@ -1,7 +1,6 @@
 """A study of a population: who, how stiff, how many; checked once, here."""
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,7 +10,7 @@ from typing import Any
 from standfast.errors import InputError
 from standfast.parameters import GAINS, JOINTS, STANDARD_GRAVITY, STIFFNESSES, checked_number
 from standfast.population.people.builtin import Subpopulation
-from standfast.population.people.csv_table import digest
+from standfast.population.people.decoding import digest
 from standfast.population.people.distributions import (
     Distributions,
     ParameterDistribution,
@@ -20,8 +19,8 @@ from standfast.population.people.distributions import (
 )
 from standfast.population.people.keys import (
     LARGEST_SIZE,
-    age_range,
     checked_population,
+    selection,
     subpopulations_of,
     whole_number,
 )
@@ -240,12 +239,7 @@ class PopulationStudy:
         if digest(self.files) != population["people_sha256"]:
             names = ", ".join(map(str, self.files))
             raise InputError(f"{names} changed while it was read; try again")
-        sex, age = population.get("sex"), population.get("age")
-        lowest, highest = age_range(age) if age is not None else (0.0, math.inf)
-
-        def selected(of: str, years: float) -> bool:
-            return (sex is None or of == sex) and (age is None or lowest <= years < highest)
-
+        selected = selection(population.get("sex"), population.get("age"))
         return read_people(self.files, strict=strict, needed=self.measured, selected=selected)
 
     @property

@@ -8,6 +8,7 @@ import math
 from typing import Any
 
 from standfast.parameters import JOINTS
+from standfast.population.people.classes import STRATA
 from standfast.population.people.study import PopulationStudy
 from standfast.population.summary.arrays import STANDING_SHARES as SHARES
 
@@ -19,7 +20,7 @@ INTERVAL = [float, float]
 MAYBE = (float, None)
 QUANTILE = {"value": MAYBE, "interval": [MAYBE, MAYBE]}
 QUANTILES = (None, {"0.05": QUANTILE, "0.5": QUANTILE, "0.95": QUANTILE, str: QUANTILE})
-STRATUM = {str: {"share": float, "unstable_fraction": float, "interval": INTERVAL}}
+STRATUM = {str: {"persons": int, "share": float, "unstable_fraction": float, "interval": INTERVAL}}
 MULTIPLE = {"multiple": MAYBE, "multiple_interval": (None, [MAYBE, MAYBE])}
 REQUIRED = {"stiffness": MAYBE, "stiffness_interval": [MAYBE, MAYBE], **MULTIPLE}
 INDEX = {"first": abs, "first_interval": [abs, abs], "total": abs, "total_interval": [abs, abs]}
@@ -33,6 +34,10 @@ COMMON = {
     "unstable_fraction": float,
     "unstable_fraction_interval": INTERVAL,
     "confidence": float,
+    "interval_method": str,
+    "settled_exactly": int,
+    "same_for_everybody": {str: float},
+    "units": {str: str},
     "size": int,
     "seed": int,
     "method": str,
@@ -50,7 +55,7 @@ COMMON = {
             "remarks": [str],
         },
     ),
-    "strata": dict.fromkeys(("sex", "age", "bmi", "height"), STRATUM),
+    "strata": dict.fromkeys(STRATA, STRATUM),
     "single_joint_critical_stiffness": {
         joint: {"mean": float, "mean_interval": INTERVAL, "sd": float} for joint in JOINTS
     },

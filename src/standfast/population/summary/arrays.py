@@ -1,7 +1,7 @@
 """The arrays in the file of a population: names, axes, shapes and types."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,15 +10,24 @@ from standfast.parameters import JOINTS
 from standfast.population.cohort.histograms import BMI_EDGES, HEIGHT_EDGES
 from standfast.population.cohort.persons import kept_of
 from standfast.population.people.builtin import AGE_CLASSES, ANSUR, NHANES
-from standfast.population.people.records import SEXES
+from standfast.population.people.classes import UNKNOWN, age_classes_of
 from standfast.population.people.study import PopulationStudy
+from standfast.population.people.words import SEXES
 from standfast.quantities import QUANTITIES
 
 # Shares of the population that are to stand, for which the stiffness is asked, or the delay.
 STANDING_SHARES = (0.5, 0.9, 0.95, 0.99)
 # Age classes in the order in which they are told.
 BUILT_IN_AGES = dict.fromkeys(group.age for group in (*NHANES, *ANSUR))
-AGES = tuple(dict.fromkeys((*(name for _, name in AGE_CLASSES), *BUILT_IN_AGES, "unknown")))
+AGES = tuple(dict.fromkeys((*(name for _, name in AGE_CLASSES), *BUILT_IN_AGES, UNKNOWN)))
+
+
+def ages_of(study: PopulationStudy) -> tuple[str, ...]:
+    """Return the age classes of a study in the order in which they are told."""
+    population = study.content["population"]
+    if "age_bands" not in population:
+        return AGES
+    return (*(name for _, name in age_classes_of(population)), UNKNOWN)
 
 
 def _middles(edges: np.ndarray) -> np.ndarray:
@@ -71,7 +80,7 @@ OF_SPRINGS = Layout(
         },
     },
 )
-# With feedback: which delay they bear. Sexes and ages are numbered as in SEXES and AGES.
+# With feedback: which delay they bear. Sexes are numbered as in SEXES, ages as in ages_of.
 WITH_DELAY = Layout(
     {
         **BODY_AXES,
@@ -94,12 +103,23 @@ WITH_DELAY = Layout(
 
 def layout_of(study: PopulationStudy) -> Layout:
     """Return which arrays a population's file holds."""
-    return WITH_DELAY if study.is_fed_back else OF_SPRINGS
+    if not study.is_fed_back:
+        return OF_SPRINGS
+    ages = np.arange(len(ages_of(study)), dtype=np.float64)
+    return replace(WITH_DELAY, axes={**WITH_DELAY.axes, "age": ages})
 
 
 def kept_type(name: str) -> np.dtype[Any]:
     """Return the type of what is kept of every person."""
     return np.dtype(QUANTITIES[name].dtype if name in QUANTITIES else np.float64)
+
+
+def identity_of(study: PopulationStudy) -> dict[str, np.dtype[Any] | None]:
+    """Return what tells who each kept person is, with its type; None is a text."""
+    of_all = {"person_sex": np.dtype(np.uint8), "person_age_class": np.dtype(np.uint8)}
+    if "people" not in study.content["population"]:
+        return {**of_all}
+    return {**of_all, "person_age": np.dtype(np.float64), "person_id": None}
 
 
 def arrays_of(study: PopulationStudy) -> dict[str, tuple[tuple[int, ...], np.dtype[Any] | None]]:
@@ -109,6 +129,8 @@ def arrays_of(study: PopulationStudy) -> dict[str, tuple[tuple[int, ...], np.dty
     for name, axes in layout.arrays.items():
         shape = tuple(layout.axes[axis].size for axis in axes)
         found[name] = shape, np.dtype(np.int64 if name == "persons" else np.float64)
-    for name in kept_of(study.nerves, study.is_fed_back) if study.keeps_persons else ():
-        found[f"person_{name}"] = (study.size,), kept_type(name)
+    if study.keeps_persons:
+        of_persons = {name: kept_type(name) for name in kept_of(study.nerves, study.is_fed_back)}
+        found |= {f"person_{name}": ((study.size,), dtype) for name, dtype in of_persons.items()}
+        found |= {name: ((study.size,), dtype) for name, dtype in identity_of(study).items()}
     return found

@@ -13,6 +13,11 @@ import numpy as np
 from scipy.special import bdtrik, stdtrit
 
 CONFIDENCE = 0.95
+# What the interval of a fraction is called, by the method of sampling.
+METHODS = {
+    "monte-carlo": "Wilson's score interval of independent draws",
+    "quasi-monte-carlo": "Student's t over 16 scramblings, Wilson's where events are few",
+}
 NORMAL_QUANTILE = 1.959963984540054
 LARGE = 10**6  # from here on the binomial distribution is normal
 # With fewer events the spread of the replicates is itself too uncertain to go by alone.
@@ -102,6 +107,7 @@ class Distribution:
     edges: np.ndarray  # (bins + 1,), rising
     counts: np.ndarray  # (replicates, bins + 2); the first lie below all bins, the last above
     lowest: float = 0.0  # that a value can be
+    same: float | None = None  # the value of everybody, where they have one and the same
 
     @property
     def size(self) -> int:
@@ -119,6 +125,8 @@ class Distribution:
         Woodruff's (J Am Stat Assoc 47 (1952) 635-646) from the spread of the replicates' shares
         below the value. It is open (``inf`` or ``lowest``) where no draw lies beyond.
         """
+        if self.same is not None:
+            return Estimate(self.same, self.same, self.same)
         value = self._at(share)
         if len(self.counts) == 1 or not math.isfinite(value):
             first, last = _ranks(self.size, share)

@@ -16,7 +16,7 @@ from standfast.population.summary.arrays import GROWTH, Layout, arrays_of, layou
 
 FORMAT = "standfast population"
 # Of springs alone, and with feedback, whose file holds other arrays.
-FORMAT_VERSION, FED_BACK_VERSION = 1, 2
+FORMAT_VERSION, FED_BACK_VERSION = 3, 4
 ROUNDING = 1e-9  # by which a share may pass 0 or 1
 
 
@@ -53,7 +53,28 @@ def is_population(path: Path) -> bool:
 
 
 def open_population(path: str | Path) -> Population:
-    """Open the file of a simulated population; refuse what is none, or not as its study says."""
+    """Open the file of a simulated population.
+
+    Parameters
+    ----------
+    path
+        a finished file of :func:`.simulate` or ``standfast population``.
+
+    Returns
+    -------
+    Population: ``summary`` with all answers as ``standfast population --json`` prints them (shares
+    of 1, N·m/rad, s), ``array(name)`` for what figures are made of, ``study``.
+
+    Raises
+    ------
+    InputError
+        if it is none, damaged, of another format version, or not as its study says.
+
+    Examples
+    --------
+    >>> found = sf.open_population("us-adults.h5")  # doctest: +SKIP
+    >>> found.summary["unstable_fraction"], found.array("risk").shape  # doctest: +SKIP
+    """
     path = Path(path)
     with opened(path) as file:
         if get_text(file, "format") != FORMAT:

@@ -11,14 +11,16 @@ from standfast.parameters import JOINTS
 from standfast.population.cohort.cohort import Cohort
 from standfast.population.cohort.nerves import delay_margins
 from standfast.population.cohort.persons import margins
+from standfast.population.cohort.settling import settle_persons
 from standfast.population.people.sampling import Sampler
 from standfast.population.people.sections import NERVES
 from standfast.population.people.sobol import REPLICATES, sobol_block
-from standfast.population.summary.estimators import NoVarianceError, sobol_indices
+from standfast.population.summary.estimators import sobol_indices
 
 SENSITIVITY_SIZE = 2**13  # persons a scrambling, on which sensitivity is asked
 FED_BACK_SIZE = 2**11  # the same with feedback of several free joints, where a person takes longer
 FEWEST_EVENTS = 200  # falls or non-falls, below which indices of falling are chance
+SAME = 1e-12  # a relative spread that is rounding
 SENSITIVITY_SEED = 2**63  # added to the study's, so that sensitivity has numbers of its own
 
 
@@ -31,8 +33,7 @@ def drivers_of(cohort: Cohort, seed: int) -> dict[str, dict[str, Any]]:
     dimensions = 2 * len(cohort.sampler.coordinates)
     margin = "delay_margin" if cohort.model.nerves else "safety_factor"
     outputs: dict[str, list[list[np.ndarray]]] = {"unstable": [], margin: []}
-    of_springs = map_over_batch(margins, cohort.model, cohort.names)
-    of_margins = partial(delay_margins, cohort) if cohort.model.nerves else of_springs
+    of_margins = partial(delay_margins if cohort.model.nerves else _of_springs, cohort)
     slow = cohort.model.nerves and cohort.model.free_joints > 1
     size = FED_BACK_SIZE if slow else SENSITIVITY_SIZE
     for replicate in range(REPLICATES):
@@ -51,6 +52,14 @@ def drivers_of(cohort: Cohort, seed: int) -> dict[str, dict[str, Any]]:
     return {name: _drivers(name, factors, np.array(values)) for name, values in outputs.items()}
 
 
+def _of_springs(cohort: Cohort, numbers: np.ndarray) -> dict[str, np.ndarray]:
+    """Return :func:`.margins` of many persons, settled where rounding could decide."""
+    found = map_over_batch(margins, cohort.model, cohort.names)(numbers)
+    found["stable"] = found["unstable"] == 0.0
+    settle_persons(cohort, numbers, found)
+    return {**found, "unstable": np.where(found["stable"], 0.0, 1.0)}
+
+
 def _drivers(name: str, factors: Iterable[str], values: np.ndarray) -> dict[str, Any]:
     """Return the indices of one output (replicates, samples, persons) by factor, or a remark."""
     if name == "unstable" and 0 < (rare := min(values.sum(), (1.0 - values).sum())) < FEWEST_EVENTS:
@@ -58,11 +67,14 @@ def _drivers(name: str, factors: Iterable[str], values: np.ndarray) -> dict[str,
         return {"remark": f"{few}, too few to say what drives it"}
     if not np.isfinite(values).all():
         return {"remark": f"{name} is infinite for some persons, so it has no variance to explain"}
-    try:
-        indices = sobol_indices(values[:, 0], values[:, 1], values[:, 2:])
-    except NoVarianceError:
-        same = f"{values.flat[0]:.4g}"
-        return {"remark": f"{name} is {same} for all {values.size:,} looked at; nothing drives it"}
+    low, high = float(values.min()), float(values.max())
+    if high - low <= SAME * max(abs(low), abs(high)):
+        looked = f"{values.size:,} looked at"
+        same = f"{name.replace('_', ' ')} is {0.5 * (low + high):.4g} for all {looked}"
+        if name == "unstable":
+            same = f"all {looked} fall" if high > 0.0 else f"none of {looked} falls"
+        return {"remark": f"{same}; nothing drives it"}
+    indices = sobol_indices(values[:, 0], values[:, 1], values[:, 2:])
     pairs = zip(factors, indices.first, indices.total, strict=True)
     return {factor: first.told("first") | total.told("total") for factor, first, total in pairs}
 

@@ -1,6 +1,5 @@
 """From histograms to answers: every estimate of a population, with its interval."""
 
-import itertools
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -9,21 +8,23 @@ from typing import Any
 
 import numpy as np
 
-from standfast.parameters import JOINTS
+from standfast.parameters import JOINTS, STIFFNESS_UNIT
 from standfast.population.cohort.cohort import Cohort
 from standfast.population.cohort.histograms import (
-    BMI_EDGES,
-    HEIGHT_EDGES,
+    EXTREMES,
+    EXTREMES_FED_BACK,
     Histograms,
     bin_edges,
     signed_bin_edges,
 )
 from standfast.population.people.builtin import SOURCES
-from standfast.population.people.records import SEXES
+from standfast.population.people.classes import STRATA
 from standfast.population.people.study import PopulationStudy
-from standfast.population.summary.arrays import AGES, STANDING_SHARES
+from standfast.population.people.words import SEXES
+from standfast.population.summary.arrays import STANDING_SHARES, ages_of
 from standfast.population.summary.estimators import (
     CONFIDENCE,
+    METHODS,
     NORMAL_QUANTILE,
     Distribution,
     Estimate,
@@ -32,19 +33,22 @@ from standfast.population.summary.estimators import (
     over_replicates,
     wilson,
 )
+from standfast.population.summary.strata import fractions_of_strata
 from standfast.study.canonical import json_value
 
-# Edges of the classes people are told apart by, after the World Health Organization for BMI; the
-# fine bins of the risk map fall on all of them.
-HEIGHT_CLASSES = (1.55, 1.65, 1.75, 1.85)
-BMI_CLASSES = (18.5, 25.0, 30.0, 35.0, 40.0)
 FEWEST_PEOPLE = 30  # fewer tell nothing of the population that they are a sample of
-SAME = 1e-12  # a relative variance that is rounding
+SAME = 1e-12  # a relative spread, or variance, that is rounding
+# Told as one number instead of quantiles where it is the same in everybody.
+TOLD_IF_SAME = ("safety_factor", "critical_delay", "delay_margin")
+UNITS = {
+    **{key: unit for key, (_, unit) in STRATA.items() if unit},
+    "gravity": "m/s²",
+    "safety_factor": "1",
+    "growth_rate": "1/s",
+    "stiffness": STIFFNESS_UNIT,
+    "delay": "s",
+}
 SHARES_TOLD = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
-
-
-# Sexes and age classes in the order in which they are told.
-CLASS_ORDER = [*SEXES, *AGES[:-1]]
 
 
 class Summary:
@@ -61,19 +65,29 @@ class Summary:
         self.classes = np.array([each.classes for each in replicates])
         self.rows = np.sum([each.rows for each in replicates], axis=0)
         self.load_sums = np.array([each.load_sums for each in replicates])
+        self.settled = int(sum(each.settled.sum() for each in replicates))
+        self.same = _same(study.is_fed_back, np.min([e.extremes for e in replicates], axis=0))
         if study.is_fed_back:
             self.critical = np.array([each.critical_delay for each in replicates])
             margins = np.array([each.delay_margin for each in replicates])
-            self.margin = Distribution(signed_bin_edges(), margins, lowest=-math.inf)
+            self.margin = Distribution(
+                signed_bin_edges(), margins, lowest=-math.inf, same=self.same.get("delay_margin")
+            )
             self.by_springs = np.array([each.by_springs for each in replicates])
             self.left_open = int(sum(each.left_open.sum() for each in replicates))
             return
         edges = bin_edges()
-        self.safety = Distribution(edges, np.array([each.safety_factor for each in replicates]))
+        safety = np.array([each.safety_factor for each in replicates])
+        self.safety = Distribution(edges, safety, same=self.same.get("safety_factor"))
         self.growth = Distribution(edges, np.array([each.growth_rate for each in replicates]))
         required = np.array([each.required for each in replicates])
-        self.threshold = {j: Distribution(edges, required[:, i, 0]) for i, j in enumerate(JOINTS)}
-        self.multiple = {j: Distribution(edges, required[:, i, 1]) for i, j in enumerate(JOINTS)}
+        self.threshold, self.multiple = (
+            {
+                j: Distribution(edges, required[:, i, k], same=self.same.get(f"{kind}_{j}"))
+                for i, j in enumerate(JOINTS)
+            }
+            for k, kind in enumerate(("critical", "multiple"))
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return all answers as one dictionary that JSON can hold."""
@@ -88,13 +102,17 @@ class Summary:
             **({"nerves": self._nerves()} if study.is_fed_back else {}),
             **unstable.told("unstable_fraction"),
             "confidence": CONFIDENCE,
+            "interval_method": METHODS[study.method],
+            "settled_exactly": self.settled,
+            "same_for_everybody": {n: v for n, v in self.same.items() if n in TOLD_IF_SAME},
             "size": study.size,
             "seed": study.seed,
             "method": study.method,
             "effective_sample_size": draws,
             "persons_with_details": int(persons.sum()) if study.is_fed_back else self.safety.size,
             "people": self._people(unstable.value, draws),
-            "strata": self._strata(),
+            "strata": fractions_of_strata(self.classes, self.cohort.strata, ages_of(study)),
+            "units": UNITS,
             **(self._of_delay() if study.is_fed_back else self._of_springs()),
             "drivers": self.drivers,
         }
@@ -112,11 +130,11 @@ class Summary:
         """Return what feedback has: who would fall without it, and which delay is borne."""
         persons = self.by_springs.sum(axis=1)
         borne: dict[str, Any] = {"all": _delays_borne(self.critical_delay())}
-        for number, key in enumerate(("sex", "age")):
+        orders = {"sex": SEXES, "age": ages_of(self.study)}
+        for number, (key, order) in enumerate(orders.items()):
             words = {stratum[number] for stratum in self.cohort.strata}
             found = {
-                word: self.critical_delay(**{key: word})
-                for word in sorted(words, key=CLASS_ORDER.index)
+                word: self.critical_delay(**{key: word}) for word in sorted(words, key=order.index)
             }
             borne[key] = {word: _delays_borne(each) for word, each in found.items() if each.size}
         return {
@@ -131,7 +149,8 @@ class Summary:
     def critical_delay(self, sex: str | None = None, age: str | None = None) -> Distribution:
         """Return the distribution of the critical delay, of some sex and age class."""
         chosen = [(sex or s, age or a) == (s, a) for s, a in self.cohort.strata]
-        return Distribution(bin_edges(), self.critical[:, chosen].sum(axis=1))
+        counts = self.critical[:, chosen].sum(axis=1)
+        return Distribution(bin_edges(), counts, same=self.same.get("critical_delay"))
 
     def _nerves(self) -> dict[str, Any]:
         """Return the distributions of damping, delay and gains by parameter."""
@@ -176,41 +195,6 @@ class Summary:
         persons = people.effective_size if spread == 0.0 else spread / variance
         return wilson(unstable * persons, persons).interval
 
-    def _strata(self) -> dict[str, Any]:
-        """Return the fraction unstable by sex, age, BMI and height."""
-        counts: dict[str, dict[str, np.ndarray]] = {}  # (replicate, verdict) by kind and class
-        by_stratum = self.classes.sum(axis=(2, 3))  # replicate, stratum, verdict
-        for number, key in enumerate(("sex", "age")):
-            of_strata = np.array([stratum[number] for stratum in self.cohort.strata])
-            counts[key] = {
-                label: by_stratum[:, of_strata == label].sum(axis=1)
-                for label in sorted(set(of_strata.tolist()), key=CLASS_ORDER.index)
-            }
-        fine = {
-            "bmi": (self.classes.sum(axis=(1, 2)), BMI_EDGES, BMI_CLASSES),
-            "height": (self.classes.sum(axis=(1, 3)), HEIGHT_EDGES, HEIGHT_CLASSES),
-        }
-        for key, (by_bin, edges, limits) in fine.items():
-            # the first of the fine bins is all that lies below the first edge
-            cuts = [0, *(1 + int(np.argmin(abs(edges - limit))) for limit in limits)]
-            sums = np.add.reduceat(by_bin, cuts, axis=1).swapaxes(0, 1)
-            inner = [f"{low:g} to {high:g}" for low, high in itertools.pairwise(limits)]
-            labels = [f"below {limits[0]:g}", *inner, f"{limits[-1]:g} and more"]
-            counts[key] = dict(zip(labels, sums, strict=True))
-        return {
-            key: {label: self._stratum(each) for label, each in classes.items() if each.any()}
-            for key, classes in counts.items()
-        }
-
-    def _stratum(self, counts: np.ndarray) -> dict[str, Any]:
-        """Return share and risk of the persons counted (replicate, verdict)."""
-        persons = counts.sum(axis=1)
-        unstable = fraction(counts[:, 1], persons)
-        return {
-            "share": float(persons.sum() / self.classes.sum()),
-            **unstable.told("unstable_fraction", "interval"),
-        }
-
     def _loads(self, persons: np.ndarray) -> dict[str, Any]:
         """Return mean and spread of each joint's threshold with the other two rigid."""
         found = {}
@@ -247,6 +231,16 @@ class Summary:
         return found
 
 
+def _same(fed_back: bool, extremes: np.ndarray) -> dict[str, float]:
+    """Return what is the same in everybody but for rounding, from the ends of its values."""
+    found = {}
+    names = EXTREMES_FED_BACK if fed_back else EXTREMES
+    for name, low, high in zip(names, extremes[0], -extremes[1], strict=True):
+        if math.isfinite(high) and high - low <= SAME * max(abs(low), abs(high)):
+            found[name] = float(f"{0.5 * (low + high):.12g}")
+    return found
+
+
 def _delays_borne(critical: Distribution) -> dict[str, Any]:
     """Return up to which delay shares of all stand; 0 where fewer stand even without delay."""
     found = {f"{share:g}": critical.quantile(1.0 - share) for share in STANDING_SHARES}
@@ -254,8 +248,8 @@ def _delays_borne(critical: Distribution) -> dict[str, Any]:
 
 
 def _quantiles(distribution: Distribution) -> dict[str, Any] | None:
-    """Return quantiles with intervals; None where nobody was counted."""
-    if distribution.size == 0:
+    """Return quantiles with intervals; None where nobody was counted, or all are the same."""
+    if distribution.size == 0 or distribution.same is not None:
         return None
     quantiles = {f"{share:g}": distribution.quantile(share) for share in SHARES_TOLD}
     return {share: each.told("value", "interval") for share, each in quantiles.items()}

@@ -5,7 +5,6 @@ as attributes. No clock enters, so the same study gives the same bytes.
 """
 
 import json
-from collections.abc import Iterable
 
 import h5py
 import numpy as np
@@ -13,22 +12,20 @@ import numpy as np
 from standfast.atlas.layout import set_attributes, set_text
 from standfast.atlas.writer import reserve
 from standfast.parameters import JOINTS, PARAMETERS, STIFFNESS_UNIT
-from standfast.population.people.records import SEXES
 from standfast.population.people.study import PopulationStudy
+from standfast.population.people.words import SEXES
 from standfast.population.summary.arrays import (
-    AGES,
     GROWTH,
     OF_SPRINGS,
     STANDING_SHARES,
     WITH_DELAY,
-    Layout,
-    kept_type,
+    ages_of,
     layout_of,
 )
 from standfast.population.summary.estimators import Distribution
 from standfast.population.summary.file import FORMAT, version_of
+from standfast.population.summary.keeping import flags
 from standfast.population.summary.summary import Summary
-from standfast.quantities import QUANTITIES
 from standfast.version import __version__
 
 # More than all arrays take together.
@@ -52,43 +49,42 @@ def write_summary(file: h5py.File, study: PopulationStudy, summary: Summary) -> 
     text = json.dumps(summary.to_dict(), ensure_ascii=False).encode()
     reserve(file, len(text) + ARRAYS_BYTES)
     file["summary"] = np.array(text, dtype=f"S{len(text)}")
-    set_text(file["summary"], "long_name", "all answers with their intervals, as JSON")
-    _write_axes(file, layout_of(study))
+    set_text(file["summary"], "long_name", "all answers, as JSON")
+    _write_axes(file, study)
     _write_risk_map(file, summary)
     if study.is_fed_back:
         _write_delays(file, summary)
         return
     _write_curves(file, summary)
     for joint in JOINTS:
-        what = f"{joint} stiffness at which that share stands, the other joints as drawn"
+        details = "at which that share stands, the other joints as drawn"
+        words = f"{joint} stiffness needed", details
         name = f"required_{joint}_stiffness"
-        _write_borne(file, name, summary.threshold[joint], what, STIFFNESS_UNIT)
-        what = what.replace("stiffness", "multiple", 1)
-        _write_borne(file, f"required_{joint}_multiple", summary.multiple[joint], what, "1")
+        _write_borne(file, name, summary.threshold[joint], *words, STIFFNESS_UNIT)
+        words = f"{joint} multiple needed", details
+        _write_borne(file, f"required_{joint}_multiple", summary.multiple[joint], *words, "1")
 
 
-def _write_axes(file: h5py.File, layout: Layout) -> None:
+def _write_axes(file: h5py.File, study: PopulationStudy) -> None:
     """Write the axes of all arrays as dimension scales."""
+    layout, classes = layout_of(study), {"sex": SEXES, "age": ages_of(study)}
     labels = {
         "height": (PARAMETERS["height"].unit, "height"),
         "bmi": (PARAMETERS["bmi"].unit, "body mass index"),
-        "safety_factor": ("1", QUANTITIES["safety_factor"].meaning),
-        "multiple": ("1", "all stiffnesses of the law times this"),
-        "standing_share": ("1", "share of the population that stands"),
+        "safety_factor": ("1", "safety factor"),
+        "multiple": ("1", "stiffness, as a multiple of the law"),
+        "standing_share": ("1", "share of persons who stand"),
         "growth_rate": ("1/s", "growth rate of falls"),
         "delay": ("s", "delay of the feedback"),
-        "sex": ("1", f"sex: {_numbered(SEXES)}"),
-        "age": ("1", f"age class in years: {_numbered(AGES)}"),
+        "sex": ("1", "sex"),
+        "age": ("1", "age class, years"),
     }
     for name, values in layout.axes.items():
         unit, meaning = labels[name]
         scale = file.create_dataset(name, data=values)
-        set_attributes(scale, {"units": unit, "long_name": meaning})
+        words = flags(classes.get(name, ()))
+        set_attributes(scale, {"units": unit, "long_name": meaning} | words)
         scale.make_scale(name)
-
-
-def _numbered(words: Iterable[str]) -> str:
-    return ", ".join(f"{number} {word}" for number, word in enumerate(words))
 
 
 def _write_risk_map(file: h5py.File, summary: Summary) -> None:
@@ -97,76 +93,67 @@ def _write_risk_map(file: h5py.File, summary: Summary) -> None:
     persons = inner.sum(axis=2)
     with np.errstate(invalid="ignore"):
         risk = inner[..., 1] / persons
-    _array(file, "persons", persons, "persons simulated in the cell")
-    _array(file, "risk", risk, "fraction unstable in the cell")
+    _array(file, "persons", persons, "persons simulated", "in the cell of height and BMI")
+    _array(file, "risk", risk, "fraction unstable", "in the cell of height and BMI")
 
 
 def _write_curves(file: h5py.File, summary: Summary) -> None:
     """Write distribution functions: of the safety factor, of multiples, of growth rates."""
     safety, growth = summary.safety, summary.growth
-    meaning = "share of persons whose safety factor is higher"
-    _array(file, "survival", 1.0 - safety.below(OF_SPRINGS.axes["safety_factor"]), meaning)
+    share = 1.0 - safety.below(OF_SPRINGS.axes["safety_factor"])
+    _array(file, "survival", share, "share of persons", "whose safety factor is higher")
     multiples = OF_SPRINGS.axes["multiple"]
     curves = {joint: 1.0 - summary.multiple[joint].below(multiples) for joint in JOINTS}
     curves["all"] = safety.below(1.0 / multiples)
     for joint, curve in curves.items():
         what = "all joints'" if joint == "all" else f"the {joint}'s"
-        meaning = f"fraction unstable with {what} stiffness multiplied"
-        _array(file, f"risk_by_{joint}_multiple", curve, meaning)
+        details = f"with {what} stiffness multiplied, the others as drawn"
+        _array(file, f"risk_by_{joint}_multiple", curve, "fraction unstable", details)
     if growth.size:
-        meaning = "share of falls that grow more slowly"
-        _array(file, GROWTH, growth.below(OF_SPRINGS.axes["growth_rate"]), meaning)
+        share = growth.below(OF_SPRINGS.axes["growth_rate"])
+        _array(file, GROWTH, share, "share of falls", "that grow more slowly")
 
 
 def _write_delays(file: h5py.File, summary: Summary) -> None:
     """Write which share stands up to which delay, of all and by sex and age."""
     delays = WITH_DELAY.axes["delay"]
-    meaning = "share of persons whose critical delay is longer"
-    _array(file, "standing", 1.0 - summary.critical_delay().below(delays), meaning)
-    by_both = np.full((len(SEXES), len(AGES), delays.size), np.nan)
+    short, details = "share of persons who stand", "up to the delay: whose critical one is longer"
+    _array(file, "standing", 1.0 - summary.critical_delay().below(delays), short, details)
+    ages = ages_of(summary.study)
+    by_both = np.full((len(SEXES), len(ages), delays.size), np.nan)
     for sex, age in summary.cohort.strata:
         found = summary.critical_delay(sex=sex, age=age)
         if found.size:
-            by_both[SEXES.index(sex), AGES.index(age)] = 1.0 - found.below(delays)
-    _array(file, "standing_by_sex_and_age", by_both, f"{meaning}, NaN where there is nobody")
-    what = "delay up to which that share stands"
-    _write_borne(file, "delay_borne", summary.critical_delay(), what, "s", of_longer=True)
+            by_both[SEXES.index(sex), ages.index(age)] = 1.0 - found.below(delays)
+    _array(file, "standing_by_sex_and_age", by_both, short, f"{details}; NaN where nobody is")
+    what = "delay borne", "up to which that share stands"
+    _write_borne(file, "delay_borne", summary.critical_delay(), *what, "s", of_longer=True)
 
 
 def _write_borne(
     file: h5py.File,
     name: str,
     of: Distribution,
-    meaning: str,
+    short: str,
+    details: str,
     unit: str,
     *,
     of_longer: bool = False,
 ) -> None:
     """Write at which value shares of all stand, with the ends of its interval."""
     found = [of.quantile(1.0 - share if of_longer else share) for share in STANDING_SHARES]
-    for suffix, field in (("", "value"), ("_lower", "low"), ("_upper", "high")):
+    ends = {"": ("value", ""), "_lower": ("low", ", lower end"), "_upper": ("high", ", upper end")}
+    for suffix, (field, end) in ends.items():
         values = np.array([getattr(each, field) for each in found])
-        _array(file, f"{name}{suffix}", values, meaning, unit)
+        _array(file, f"{name}{suffix}", values, short + end, details, unit)
 
 
-def _array(file: h5py.File, name: str, values: np.ndarray, meaning: str, unit: str = "1") -> None:
+def _array(
+    file: h5py.File, name: str, values: np.ndarray, short: str, details: str, unit: str = "1"
+) -> None:
+    """Write an array; the long name is short enough for readers that cut it, details follow."""
     dataset = file.create_dataset(name, data=values)
-    set_attributes(dataset, {"units": unit, "long_name": meaning})
+    set_attributes(dataset, {"units": unit, "long_name": short, "comment": details})
     axes = OF_SPRINGS.arrays.get(name) or WITH_DELAY.arrays[name]
     for number, axis in enumerate(axes):
         dataset.dims[number].attach_scale(file[axis])
-
-
-def new_persons(file: h5py.File, size: int, names: Iterable[str]) -> None:
-    """Create the datasets of what is kept of every person."""
-    for name in names:
-        row = QUANTITIES.get(name) or PARAMETERS[name]
-        dataset = file.create_dataset(
-            f"person_{name}",
-            (size,),
-            kept_type(name),
-            chunks=True,
-            compression="gzip",
-            shuffle=True,
-        )
-        set_attributes(dataset, {"units": row.unit, "long_name": f"{row.meaning}, of each person"})

@@ -1,0 +1,74 @@
+"""The table of all strata as a CSV file, as a paper prints it: one line a class of people."""
+
+import csv
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from standfast.files import for_spreadsheets, whole_file
+from standfast.population.people.classes import STRATA
+
+WORDS = "write a table of all strata, one line a class: persons, fraction unstable, interval"
+
+
+def write_strata(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
+    """Write rows of one and the same columns, whole or not at all."""
+    with whole_file(path) as partial, partial.open("w", encoding="utf-8", newline="") as file:
+        table = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        table.writeheader()
+        table.writerows({name: _entry(value) for name, value in row.items()} for row in rows)
+
+
+def rows_of_population(summary: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """Give the table's rows of a population: everybody, then each class of each kind."""
+    low, high = summary["unstable_fraction_interval"]
+    everybody = {
+        "persons": summary["size"], "share": 1.0,
+        "unstable_fraction": summary["unstable_fraction"], "interval": [low, high],
+    }  # fmt: skip
+    borne = summary.get("delay_borne")
+    survey = summary["people"].get("survey_interval")
+    for key, label, found in [("all", "all", everybody), *_classes(summary["strata"])]:
+        row = {
+            **_place(key, label),
+            "persons_simulated": found["persons"],
+            "share_of_persons": found["share"],
+            "unstable_fraction": found["unstable_fraction"],
+            "unstable_95_low": found["interval"][0],
+            "unstable_95_high": found["interval"][1],
+            "interval_method": summary["interval_method"],
+        }
+        if "used" in summary["people"]:
+            ends = survey if survey and key == "all" else [None, None]
+            row |= {"survey_95_low": ends[0], "survey_95_high": ends[1]}
+        if borne is not None:
+            of_class = borne["all"] if key == "all" else borne.get(key, {}).get(label)
+            for share in borne["all"]:
+                row[f"delay_borne_by_{share}_s"] = of_class and of_class[share]["delay"]
+        yield row
+
+
+def rows_of_assessment(strata: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """Give the table's rows of persons who were assessed."""
+    for key, label, found in _classes(strata):
+        yield {**_place(key, label), **found}
+
+
+def _classes(strata: Mapping[str, Any]) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
+    for key, classes in strata.items():
+        for label, found in classes.items():
+            yield key, label, found
+
+
+def _place(key: str, label: str) -> dict[str, str]:
+    name, unit = STRATA.get(key, (key, ""))
+    return {"stratum": name, "class": label, "unit_of_class": unit}
+
+
+def _entry(value: Any) -> str:
+    """Return a number with the digits that mean something, and nothing for what is not known."""
+    if value is None:
+        return ""
+    if isinstance(value, str):
+        return for_spreadsheets(value)
+    return str(value) if isinstance(value, int) else f"{value:.6g}"

@@ -99,7 +99,8 @@ def _assess(options: argparse.Namespace) -> None:
     with progress_bar("persons") as (_, show), interruptible() as stop_if_asked:
 
         def after_piece(done: int, total: int) -> None:
-            show(done, total)
+            if done < total:  # of few persons the end comes with the answers
+                show(done, total)
             stop_if_asked()
 
         people = read_people(

@@ -44,10 +44,8 @@ def print_assessment(summary: Mapping[str, Any]) -> None:
     for remark in summary["remarks"]:
         print(f"    note: {remark}")
     for joint, (low, middle, high) in summary["threshold_alone"].items():
-        print(
-            f"  {joint:6} alone, the others rigid, needs {middle:.4g} N·m/rad (median; "
-            f"{low:.4g} to {high:.4g} for nine in ten)"
-        )
+        spread = f" (median; {low:.4g} to {high:.4g} for nine in ten)" if low < high else ""
+        print(f"  {joint:6} alone, the others rigid, needs {middle:.4g} N·m/rad{spread}")
     if not summary["judged"]:
         print("  no one has all three stiffnesses; give --ankle, --knee, --hip for a verdict")
         _print_strata(summary["strata"])

@@ -28,6 +28,7 @@ from standfast.study.study import Study
 from standfast.version import __version__
 
 if TYPE_CHECKING:
+    from standfast import plot
     from standfast.atlas.memory import compute
     from standfast.atlas.opening import open_atlas
     from standfast.atlas.reader import Atlas
@@ -73,6 +74,7 @@ __all__ = [
     "kinetic_energy",
     "modes",
     "open_atlas",
+    "plot",
     "potential_energy",
     "rightmost_root",
     "safety_factor",
@@ -88,6 +90,8 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Import what is lazy when it is first asked for."""
+    if name == "plot":
+        return import_module("standfast.plot")
     if name in LAZY:
         return getattr(import_module(LAZY[name]), name)
     raise AttributeError(f"module 'standfast' has no attribute {name!r}")

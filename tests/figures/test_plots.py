@@ -48,7 +48,7 @@ def test_an_atlas_gets_the_figures_its_axes_allow(tmp_path, drawn):
 def test_small_multiples_over_body_size_are_thinned(tmp_path, drawn):
     body = {"height": [1.5, 1.6, 1.7, 1.8, 1.9], "bmi": [18.0, 20.0, 22.0, 25.0, 30.0, 35.0]}
     (limits,) = plot(atlas_of(tmp_path, ["stable"], body=body), tmp_path)
-    assert limits.left_out == "shows height at 3 of 5 values, bmi at 3 of 6 values"
+    assert limits.remark == "shows height at 3 of 5 values, bmi at 3 of 6 values"
     titles = [ax.get_title() for ax in drawn[0].axes if ax.get_title()]
     assert len(titles) == len(set(titles)) == 9
     assert titles[0] == "$H$ = 1.5 m\nBMI = 18 kg/m²"
@@ -73,7 +73,7 @@ def test_without_the_plane_a_quantity_is_a_curve(tmp_path, drawn, stiffness, bod
     atlas = atlas_of(tmp_path, ["safety_factor"], stiffness, body)
     (drawing,) = plot(atlas, tmp_path)
     assert [path.name for path in drawing.paths] == ["a-safety_factor.png"]
-    assert drawing.left_out == ""
+    assert drawing.remark == ""
 
 
 def test_nothing_to_draw_gets_a_sentence(tmp_path):

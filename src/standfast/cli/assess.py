@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from standfast.cli.parsing import add_command
+from standfast.cli.parsing import add_command, add_file_option, made_room, output_file
 from standfast.cli.rejected import print_rejected, write_rejected
 from standfast.errors import InputError, nearest_name
 from standfast.parameters import (
@@ -47,9 +47,7 @@ def add(commands: Any) -> None:
         "ankle_proportional_gain, ankle_derivative_gain, ankle_damping, feedback_delay and so on; "
         "further files are joined by id",
     )
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="FILE.csv", help="default: NAME-assessed.csv"
-    )
+    add_file_option(parser, "FILE.csv", "NAME-assessed.csv")
     for joint in JOINTS:
         words = f"stiffness of the {joint} where the file has none, N·m/rad or inf"
         parser.add_argument(f"--{joint}", metavar="K", help=words)
@@ -85,7 +83,7 @@ def _assess(options: argparse.Namespace) -> None:
         for joint in JOINTS
         if (text := getattr(options, joint)) is not None
     }
-    output: Path = options.output or Path(f"{options.people[0].stem}-assessed.csv")
+    output = output_file(options.output, f"{options.people[0].stem}-assessed.csv")
     if os.path.realpath(output) in map(os.path.realpath, options.people):
         raise InputError(f"{output} is the file of people itself; choose another output with -o")
     people = read_people(options.people, strict=options.strict)
@@ -96,7 +94,7 @@ def _assess(options: argparse.Namespace) -> None:
         otherwise=otherwise,
         nerves=_nerves(options),
     )
-    write_assessment(found, output)
+    write_assessment(found, made_room(output, options.output))
     summary = _summary_of(found)
     written = [output, *write_rejected(summary["rejected"], output)]
     if options.json:

@@ -43,7 +43,8 @@ def _population(options: argparse.Namespace) -> None:
     if not options.no_figures:
         from standfast.figures.population import draw
 
-        written += draw(found, output.with_suffix(""), options.format or ("png",))
+        drawn = draw(found, output.with_suffix(""), options.format or ("png",))
+        written += [path for drawing in drawn for path in drawing.paths]
     if options.json:
         print(json.dumps(found.summary, ensure_ascii=False))
         return

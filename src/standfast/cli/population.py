@@ -40,16 +40,20 @@ def _population(options: argparse.Namespace) -> None:
         return
     output = output_of(options)
     written = [output, *write_rejected(found.summary["people"].get("rejected", []), output)]
+    said: list[str] = []
     if not options.no_figures:
         from standfast.figures.population import draw
 
         drawn = draw(found, output.with_suffix(""), options.format or ("png",))
         written += [path for drawing in drawn for path in drawing.paths]
+        said = [drawing.remark for drawing in drawn if drawing.remark]
     if options.json:
         print(json.dumps(found.summary, ensure_ascii=False))
         return
     print_summary(found.summary)
     print(f"\nWritten to {output.parent}: {', '.join(path.name for path in written)}")
+    for remark in said:
+        print(f"  {remark}")
 
 
 def _compute(study: Any, output: Path, **settings: Any) -> Any:

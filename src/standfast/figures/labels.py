@@ -44,7 +44,7 @@ def name_curves(
             continue
         size = _half_size(ax, name)
         others = [other for at, (_, other) in enumerate(named) if at != number and len(other)]
-        inner = np.flatnonzero(((curve > 0.1) & (curve < 0.9)).all(axis=1))
+        inner = np.flatnonzero(((curve > size) & (curve < 1.0 - size)).all(axis=1))
         inner = inner if inner.size else np.arange(len(curve))
         steps = inner[:: max(1, inner.size // 80)]
         clear = _clearance(curve[steps], np.concatenate([*others, NOWHERE]), size)

@@ -14,7 +14,7 @@ from standfast.figures.choosing import MOST_CURVES, middles, thinned
 from standfast.figures.naming import curve_words, given_words, named, set_title
 from standfast.figures.scales import set_frame
 from standfast.figures.slicing import full_name, slice_of
-from standfast.figures.style import BLUE, GREY, VERMILION, axes_for, note
+from standfast.figures.style import BLUE, GREY, VERMILION, axes_for, has_note, note
 from standfast.parameters import PARAMETERS
 from standfast.thresholds import planes, regions
 from standfast.thresholds.regions import Region
@@ -173,7 +173,7 @@ def draw_limits(
         note(ax, "stands nowhere" + (f": {', '.join(nowhere)}" if any(nowhere) else ""))
     apart = len({curve.style["linestyle"] for curve in curves}) > 1
     avoid = marking.draw_subjects(ax, subjects, plan.axes)
-    avoid = np.concatenate([avoid, NOTED]) if nowhere or len(avoid) < len(subjects) else avoid
+    avoid = np.concatenate([avoid, NOTED]) if has_note(ax) else avoid
     names = labels.name_curves(
         ax,
         [(curve.name, curve.region.curve) for curve in curves],

@@ -27,6 +27,8 @@ from standfast.thresholds.steps import continued
 # More points a side than a figure has dots are skipped.
 MOST_POINTS = 800
 
+COLOURS = "cividis"
+
 # No contours are drawn of what jumps, from one root or mode to another.
 JUMPING = ("sway_frequency", "damping_ratio", "hip_ankle_ratio", "knee_ankle_ratio")
 # What a quantity is at the limit of standing, below which the person falls.
@@ -242,7 +244,7 @@ def _coloured(
         edges(side, by_factors=log)
         for side, log in zip((panel.x, panel.y), logarithmic, strict=True)
     )
-    names = mpl.colormaps["cividis"].resampled(colours.shades) if colours.shades else "cividis"
+    names = mpl.colormaps[COLOURS].resampled(colours.shades) if colours.shades else COLOURS
     # an image where the axes are even, which is drawn ten times as fast as a mesh
     draw = ax.pcolormesh if any(logarithmic) else ax.pcolorfast
     mesh: Any = draw(x, y, values, cmap=names)

@@ -112,8 +112,11 @@ def _never_changes(population: Population) -> str:
 
 
 def _one_factor(population: Population) -> str:
-    shares = population.summary["safety_factor"] or {}
-    values = [each["value"] for each in shares.values()]
-    if not values or None in values or max(values) - min(values) > ROUNDING * max(values):
+    """Say that all safety factors lie between two neighbouring values of the file's axis."""
+    factor, above = population.array("safety_factor"), population.array("survival")
+    some = np.flatnonzero((above > ROUNDING) & (above < 1.0 - ROUNDING))
+    everybody = np.flatnonzero(above >= 1.0 - ROUNDING)
+    if len(some) > 1 or not everybody.size or everybody[-1] + 1 == factor.size:
         return ""
-    return f"the safety factor is {values[0]:.6g} in everybody"
+    low, high = factor[everybody[-1]], factor[everybody[-1] + 1 + len(some)]
+    return f"the safety factor is {low:.3g} to {high:.3g} in everybody"

@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from standfast.files import whole_file
 
@@ -114,13 +115,22 @@ def remark(
 def note(ax: Axes, text: str) -> None:
     """Write grey words into the upper right corner, below those that are there."""
     size = mpl.rcParams["legend.fontsize"]
-    above = [each for each in ax.texts if each.get_gid() == NOTE]
+    above = _notes(ax)
     words = "\n".join([*(each.get_text() for each in above), text])
     for each in above:
         each.remove()
     ground = {"boxstyle": "square,pad=0.12", "facecolor": "white", "edgecolor": "none"}
     place: Any = {"transform": ax.transAxes, "ha": "right", "va": "top", "bbox": ground}
     ax.text(0.98, 0.97, words, fontsize=size, color=GREY, gid=NOTE, **place)
+
+
+def has_note(ax: Axes) -> bool:
+    """Return whether there are words of :func:`note`."""
+    return bool(_notes(ax))
+
+
+def _notes(ax: Axes) -> list[Text]:
+    return [each for each in ax.texts if each.get_gid() == NOTE]
 
 
 NOTE = "note"

@@ -102,11 +102,13 @@ def _draw_peers(report: dict[str, Any]) -> None:
             ours = [name == "standfast" for name in names]
             colors = [style.BLUE if mine else "white" for mine in ours]
             places = range(len(group))[::-1]
-            # dots, from the slowest run to the fastest: on a logarithmic axis the length of a bar means nothing
+            # dots, and a line through all runs: bars have no zero to start from on such an axis
             for place, each, color in zip(places, runs, colors, strict=True):
                 rate = each[len(each) // 2]
                 ax.plot([each[0], each[-1]], [place, place], color=style.BLUE, linewidth=2.5)
-                ax.plot([rate], [place], "o", markerfacecolor=color, color=style.BLUE)
+                ax.plot(
+                    [rate], [place], "o", markerfacecolor=color, color=style.BLUE, markersize=4.5
+                )
                 ax.text(rate * 1.7, place, _short(rate), va="center", fontsize=6.5)
                 ax.axhline(place, color="0.9", linewidth=0.5, zorder=0)
             ax.set_ylim(-0.6, len(group) - 0.4)

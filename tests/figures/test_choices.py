@@ -1,6 +1,8 @@
 """What a user chooses of a figure: the slice, what lies over another, and subjects of their own."""
 
 import math
+import subprocess
+import sys
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
@@ -214,6 +216,21 @@ def test_without_axes_a_new_figure_is_one_of_pyplot(atlas):
     ax = sf.plot.limits(atlas, at={"gravity": 9.81})
     assert ax.figure.number in plt.get_fignums()
     plt.close(ax.figure)
+
+
+def test_matplotlib_waits_until_a_figure_is_asked_for():
+    script = (
+        "import sys, standfast\n"
+        "assert not {'matplotlib', 'h5py', 'jax'} & set(sys.modules)\n"
+        "standfast.plot.limits\n"
+        "assert 'matplotlib.pyplot' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True)
+
+
+def test_loci_are_those_of_the_delay_and_no_other(atlas):
+    with pytest.raises(sf.InputError, match="does not hold decay_rate and sway_frequency along"):
+        sf.plot.locus(atlas)
 
 
 def test_words_keep_off_marks():

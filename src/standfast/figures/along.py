@@ -107,11 +107,10 @@ def locus_of(
     InputError
         if the atlas holds no rightmost root along the delay, or for a wrong name or value.
     """
-    if not has_loci(atlas):
-        raise InputError(f"{atlas.path} does not hold {' and '.join(ROOT)} along {DELAY}")
-    cut = cut_of(atlas, ROOT[0], slice_of([atlas.study], at).index, DELAY)
+    index = slice_of([atlas.study], at).index
+    cut = locus_cut(atlas, index)
     if cut is None:
-        raise InputError(f"{DELAY} is cut, so that there is nothing to draw along")
+        raise InputError(f"{atlas.path} does not hold {' and '.join(ROOT)} along {DELAY}")
     if axes is None:
         first = axes_for(None)
         first.remove()
@@ -197,11 +196,12 @@ def _set_height(ax: Axes, quantity: str, curves: Sequence[np.ndarray]) -> None:
         note(ax, "above its curve a person stands")
 
 
-def has_loci(atlas: Atlas) -> bool:
-    """Return whether an atlas holds the rightmost root along the delay."""
-    return set(ROOT) <= set(atlas.quantities) and (
-        DELAY in atlas.study.axes and len(atlas.study.axes[DELAY]) >= LEAST_SIDE
-    )
+def locus_cut(atlas: Atlas, index: Mapping[str, int]) -> Cut | None:
+    """Choose the loci of an atlas; None if it holds no rightmost root along the delay."""
+    long = len(atlas.study.axes.get(DELAY, ())) >= LEAST_SIDE
+    if not (long and set(ROOT) <= set(atlas.quantities)) or DELAY in index:
+        return None
+    return cut_of(atlas, ROOT[0], index, DELAY)
 
 
 def draw_loci(axes: Sequence[Axes], atlas: Atlas, cut: Cut) -> None:

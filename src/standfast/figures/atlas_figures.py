@@ -14,7 +14,6 @@ from standfast.errors import InputError
 from standfast.figures import along, limits, maps, marking, pictures, style
 from standfast.figures.marking import Subject
 from standfast.figures.slicing import slice_of
-from standfast.thresholds.planes import DELAY
 
 
 def plot(
@@ -83,10 +82,9 @@ def _pictures_of(
         yield pictures.limits_picture(request, plan)
     if len(request.atlases) > 1:
         return
-    loci = not quantities and along.has_loci(atlas)
-    cut = along.cut_of(atlas, along.ROOT[0], index, DELAY) if loci else None
-    if cut is not None:
-        yield pictures.locus_picture(request, cut)
+    loci = None if quantities else along.locus_cut(atlas, index)
+    if loci is not None:
+        yield pictures.locus_picture(request, loci)
     for name in quantities or atlas.quantities:
         layout = maps.layout_of(atlas, name, index)
         if (name == "stable" and plan) or (name in along.ROOT and loci and layout is None):

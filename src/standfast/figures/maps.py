@@ -64,11 +64,15 @@ class Panel:
 
 @dataclass(frozen=True, slots=True)
 class Colours:
-    """The range of colours that panels share; ``shades`` is their number, of whole numbers."""
+    """The range of colours that panels share; ``shades`` is their number, of whole numbers.
+
+    ``lined`` is the range of contours, without a steep end, which would take all of them.
+    """
 
     low: float
     high: float
     shades: int | None
+    lined: tuple[float, float] = (0.0, 0.0)
 
 
 def map_of(
@@ -171,8 +175,9 @@ def colours_of(quantity: str, panels: Sequence[Panel]) -> Colours:
     if QUANTITIES[quantity].dtype == "uint8":
         least, most = int(values.min()), int(values.max())
         return Colours(least - 0.5, most + 0.5, most - least + 1)
-    low, high = (float(each) for each in np.quantile(values, [0.01, 0.99]))
-    return Colours(low, high, None) if low < high else Colours(low - 0.5, high + 0.5, None)
+    low, first, last, high = (float(v) for v in np.quantile(values, [0.01, 0.02, 0.95, 0.99]))
+    wider = 0.0 if low < high else 0.5
+    return Colours(low - wider, high + wider, None, (first, last))
 
 
 def _finite_values(quantity: str, values: np.ndarray) -> np.ndarray:
@@ -233,7 +238,7 @@ def draw_map(
         if quantity == CRITICAL:
             lined[lined == 0.0] = np.nan
         limits = _limits_of(study, quantity, known=region is not None)
-        painting.contour_lines(ax, x, y, lined, avoid=avoid, **limits)
+        painting.contour_lines(ax, x, y, lined, colours.lined, avoid=avoid, **limits)
     return mesh
 
 

@@ -100,7 +100,8 @@ def subjects_in(path: Path) -> tuple[list[Subject], str]:
     head = text.lstrip().partition("\n")[0]
     rows = list(csv.DictReader(StringIO(text, newline=""), delimiter=max(",;\t", key=head.count)))
     columns = [key for key in (rows[0] if rows else {}) if key]
-    known = {key: key.strip() for key in columns if key.strip() in {*short_names(), "id"}}
+    names = {*short_names(), "id"}
+    known = {key: key.strip().lower() for key in columns if key.strip().lower() in names}
     others = [key for key in columns if key not in known]
     for key in others:
         if difflib.get_close_matches(key.strip().lower(), short_names(), n=1, cutoff=LIKELY):

@@ -38,6 +38,7 @@ def contour_lines(
     x: np.ndarray,
     y: np.ndarray,
     values: np.ndarray,
+    ends: tuple[float, float],
     *,
     marks: Sequence[float] = (),
     drawn: Sequence[float] = (),
@@ -45,19 +46,21 @@ def contour_lines(
 ) -> None:
     """Draw labelled contours of values (len(y), len(x)): thin at round ones, thick at ``marks``.
 
+    Thin ones lie between two ``ends``, so that panels may have the same.
     None is drawn near a value of ``drawn``, which the limit of standing is; ``avoid`` are places of
     marks, which no label may cover.
     """
     inside = np.where(np.isfinite(values), values, np.nan)
     if not np.isfinite(inside).any():
         return
-    # most of the range: a steep end would take all levels
-    low, high = np.nanquantile(inside, [0.02, 0.95])
+    low, high = ends
     levels = MaxNLocator(FEWEST_LEVELS, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
     apart = 0.2 * float(np.diff(levels).min()) if len(levels) > 1 else 0.0
     taken = (*marks, *drawn)
+    least, most = np.nanmin(inside), np.nanmax(inside)
+    low, high = max(low, least), min(high, most)
     thin = [v for v in levels if low < v < high and all(abs(v - m) > apart for m in taken)]
-    thick = [v for v in sorted(marks) if np.nanmin(inside) < v < np.nanmax(inside)]
+    thick = [v for v in sorted(marks) if least < v < most]
     named = {}
     for chosen, width in ((thick, 1.4), (thin, 0.6)):
         if not chosen:

@@ -19,7 +19,7 @@ from standfast.figures.maps import LIMITS
 from standfast.figures.naming import curve_words, given_words, set_title
 from standfast.figures.scales import set_scale
 from standfast.figures.slicing import slice_of
-from standfast.figures.style import GREY, axes_for, graded, note
+from standfast.figures.style import GREY, axes_for, graded, new_axes, note
 from standfast.parameters import PARAMETERS
 from standfast.quantities import QUANTITIES
 from standfast.study.study import Study
@@ -112,9 +112,7 @@ def locus_of(
     if cut is None:
         raise InputError(f"{atlas.path} does not hold {' and '.join(ROOT)} along {DELAY}")
     if axes is None:
-        first = axes_for(None)
-        first.remove()
-        axes = list(first.figure.subplots(1, 3))
+        axes = new_axes(3)
     draw_loci(axes, atlas, cut)
     if cut.several:
         axes[0].legend(frameon=False, fontsize="small")

@@ -188,7 +188,7 @@ def drivers(population: Population, output: str, *, ax: Axes | None = None) -> A
     ax.set_ylim(-0.5, len(indices) - 0.5)
     ax.set_xlim(min(-0.02, ax.get_xlim()[0]), max(1.0, ax.get_xlim()[1]))
     ax.set_xlabel("Share of the variance (Sobol index)")
-    ax.legend(loc="best", edgecolor="none")
+    ax.legend(loc="best", frameon=False)
     ax.set_title(f"What drives {DRIVEN.get(output, output)}")
     return ax
 

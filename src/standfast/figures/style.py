@@ -95,12 +95,16 @@ def save(figure: Figure, stem: Path, formats: Sequence[str] = ("png", "svg")) ->
 
 def axes_for(ax: Axes | None) -> Axes:
     """Return the axes that a figure is drawn into: those given, or of a new figure of pyplot."""
-    if ax is not None:
-        return ax
+    return new_axes(1)[0] if ax is None else ax
+
+
+def new_axes(count: int) -> list[Axes]:
+    """Return axes side by side in a new figure of pyplot, which a notebook shows."""
     from matplotlib import pyplot as plt  # noqa: PLC0415 - only for whoever gives no axes
 
-    _, new = plt.subplots(layout="constrained")
-    return new
+    figure, axes = plt.subplots(1, count, squeeze=False, layout="constrained")
+    figure.set_figwidth(0.5 * (count + 1) * figure.get_figwidth())
+    return list(axes[0])
 
 
 def remark(

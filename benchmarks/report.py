@@ -97,16 +97,21 @@ def _draw_peers(report: dict[str, Any]) -> None:
     groups = [[row for row in rows if _kind(row) == kind] for kind, _ in kinds]
     with style.paper_figure(height=2.6, panels=(2, 1)) as (figure, axes):
         for ax, (_, title), group in zip(axes, kinds, groups, strict=True):
-            rates = [
-                row["work"] / sorted(row["seconds"])[len(row["seconds"]) // 2] for row in group
-            ]
+            runs = [[row["work"] / seconds for seconds in sorted(row["seconds"])] for row in group]
             names = [BESIDE[row["what"]] for row in group]
             ours = [name == "standfast" for name in names]
             colors = [style.BLUE if mine else "white" for mine in ours]
             places = range(len(group))[::-1]
-            ax.barh(places, rates, color=colors, edgecolor=style.BLUE, height=0.7)
-            for place, rate in zip(places, rates, strict=True):
-                ax.text(rate * 1.3, place, _short(rate), va="center", fontsize=6.5)
+            # dots, and a line through all runs: bars have no zero to start from on such an axis
+            for place, each, color in zip(places, runs, colors, strict=True):
+                rate = each[len(each) // 2]
+                ax.plot([each[0], each[-1]], [place, place], color=style.BLUE, linewidth=2.5)
+                ax.plot(
+                    [rate], [place], "o", markerfacecolor=color, color=style.BLUE, markersize=4.5
+                )
+                ax.text(rate * 1.7, place, _short(rate), va="center", fontsize=6.5)
+                ax.axhline(place, color="0.9", linewidth=0.5, zorder=0)
+            ax.set_ylim(-0.6, len(group) - 0.4)
             ax.set_yticks(places, names)
             ax.set_xscale("log")
             ax.set_xlim(1e3, 2e11)

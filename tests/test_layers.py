@@ -41,6 +41,7 @@ ROOMS = [
     "population",
     "thresholds",
     "figures",
+    "plot",
     "edwards2007",
     "cli",
 ]
@@ -57,13 +58,16 @@ USES_HDF5 = {
     "standfast.population.summary.writing",
     "standfast.thresholds.tables",
 }
-# What is no dependency but extras; and two doors, at which h5py and JAX wait to be asked for.
+# What is no dependency but extras; pyplot, for whoever gives no axes; and a door, at which h5py,
+# JAX and the figures wait to be asked for.
 LATE = {
     ("standfast.atlas.memory", "xarray"),
     ("standfast.atlas.reader", "h5netcdf"),
     ("standfast.atlas.reader", "xarray"),
     ("standfast.population.people.decoding", "pandas"),
+    ("standfast.figures.style", "matplotlib"),
     ("standfast", "?"),
+    ("standfast", "standfast"),
 }
 
 

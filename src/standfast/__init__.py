@@ -29,6 +29,7 @@ from standfast.study.study import Study
 from standfast.version import __version__
 
 if TYPE_CHECKING:
+    from standfast import plot
     from standfast.atlas.memory import compute
     from standfast.atlas.opening import open_atlas
     from standfast.atlas.reader import Atlas
@@ -87,6 +88,7 @@ __all__ = [
     "modes",
     "open_atlas",
     "open_population",
+    "plot",
     "potential_energy",
     "read_people",
     "rightmost_root",
@@ -103,6 +105,8 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Import what is lazy when it is first asked for."""
+    if name == "plot":
+        return import_module("standfast.plot")
     if name in LAZY:
         return getattr(import_module(LAZY[name]), name)
     raise AttributeError(f"module 'standfast' has no attribute {name!r}")

@@ -264,7 +264,7 @@ def test_a_folder_that_cannot_be_is_one_sentence(place, capsys, command, output,
 @pytest.mark.parametrize(
     ("output", "fault"),
     [
-        (".", "not a plain file (.)"), ("", "not a plain file (.)"),
+        ("", "not a plain file (.)"),
         ("pipe", "not a plain file (pipe)"), ("/dev/null", "not a plain file (/dev/null)"),
         ("nothing", "a link to nothing (nothing)"), ("circle", "(circle)"),
         ("no/where.csv", "No such file or directory (no/where.csv)"),

@@ -3,7 +3,7 @@
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from standfast.figures import population, style
+from standfast.figures import style
 
 
 @pytest.fixture
@@ -18,5 +18,4 @@ def drawn(monkeypatch):
         return save(figure, stem, formats)
 
     monkeypatch.setattr(style, "save", keep)
-    monkeypatch.setattr(population, "save", keep)
     return seen

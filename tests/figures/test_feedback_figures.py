@@ -26,6 +26,9 @@ STEPS = np.array([2500.0 / 50, 900.0 / 45])  # of the two gains
 # which the critical delay jumps to 0.
 ONE_STEP, SMOOTH = 1.0, 0.12
 
+# C + P is linear in P: what is left is rounding.
+LINEAR = 1e-9
+
 
 def study_of(stiffness, feedback, quantities, damping=None):
     content = {"gravity": GRAVITY, "body": NOMINAL, "stiffness": stiffness, "feedback": feedback}
@@ -110,6 +113,25 @@ def test_the_d_shaped_chart_lies_on_the_closed_form(charts, name, away):
         # it can fail: the curve of a delay a tenth longer is another
         late, _ = closed_form(1.1 * region.values["feedback_delay"], 12.0)
         assert np.minimum(steps_away(points, late), off_edge).max() > away
+
+
+@pytest.mark.parametrize("name", ["verdicts", "critical"])
+def test_where_a_root_passes_through_0_the_limit_is_in_closed_form(charts, name):
+    """Between verdicts half way, the line would lie up to half a step of 50 N·m/rad away."""
+    for region in regions.regions(charts[name]):
+        _, edge = closed_form(region.values["feedback_delay"], 12.0)
+        points = np.concatenate(region.lines)
+        low, high = points[:, 1].min(), points[:, 1].max()
+        straight = points[points[:, 0] < edge[0, 0] + 0.5 * STEPS[0]]
+        inner = straight[(straight[:, 1] > low + STEPS[1]) & (straight[:, 1] < high - STEPS[1])]
+        assert len(inner) > 10
+        np.testing.assert_allclose(inner[:, 0], edge[0, 0], rtol=LINEAR)
+        # no verdict of the grid is on the other side
+        across, up = (
+            np.isin(fine, side)
+            for fine, side in zip(region.finer[:2], (region.x, region.y), strict=True)
+        )
+        np.testing.assert_array_equal(region.finer[2][across][:, up] > 0.0, region.stands)
 
 
 def test_a_closed_region_is_closed_and_a_longer_delay_lies_within_it(charts):
@@ -208,11 +230,16 @@ def test_an_atlas_with_feedback_gets_its_figures_and_they_are_legible(
     ]
     names = [path.name for drawing in plot(charts["critical"], tmp_path) for path in drawing.paths]
     assert names == ["critical-limits.png", "critical-critical_delay.png"]
-    # one curve a delay, with all its lines, and a shade for whoever does not see them
+    # one curve a delay, with all its lines and its name on it, and a word on each side
     check_legible(drawn)
     limits = drawn[5].axes[0]
     assert len(limits.lines) == len(DELAYS)
-    assert "stands" in drawn[5].legends[0].get_texts()[0].get_text()
+    words = {text.get_text() for text in limits.texts}
+    assert words >= {r"$\tau$ = 0.1 s", "0.2 s", "0.3 s", "falls"}
+    assert drawn[5].get_suptitle().replace("\n", " ") == (
+        "edwards2007, $H$ = 1.753 m, $m$ = 75.3 kg, $K_a$ = 300, "
+        "$K_k$ rigid, $K_h$ rigid, $g$ = 9.8 m/s²"
+    )
 
 
 def test_tables_count_the_lines_of_a_plane(windows, tmp_path):

@@ -256,7 +256,7 @@ def test_the_file_tells_prints_and_draws(tmp_path, capsys):
     drivers = summary["drivers"]["delay_margin"]
     assert {"feedback delay", "ankle damping", "ankle proportional gain"} < set(drivers)
     assert sum(each["first"] for each in drivers.values()) < 1.02
-    names = {each.name for each in draw(found, tmp_path / "p")}
+    names = {path.name for each in draw(found, tmp_path / "p") for path in each.paths}
     assert {"p-risk-map.png", "p-standing-by-delay.png", "p-drivers-delay_margin.png"} <= names
     assert main(["info", str(path)]) == 0
     told = capsys.readouterr().out

@@ -161,11 +161,6 @@ def test_an_axis_with_fewer_than_two_finite_values_gets_a_sentence(ankle):
         list(contours.exact_contours(sf.Study.from_dict(changed("stiffness", axes))))
 
 
-def test_only_the_planes_asked_for_are_computed():
-    every = list(planes.planes_of(study_of("stable"), {"knee_stiffness": {2}, "height": {1}}))
-    assert [(place.values["height"], place.knee) for place in every] == [(1.8, math.inf)]
-
-
 def plane_study(side, *quantities):
     axes = {name: {"start": 0, "stop": 2000, "num": side} for name in ("ankle", "hip")}
     study = changed("output.quantities", list(quantities))

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from standfast.cli.assess_text import HELP_OF_COLUMNS, print_assessment, summary_of
-from standfast.cli.parsing import add_command
+from standfast.cli.parsing import add_command, add_file_option, made_room, output_file
 from standfast.cli.rejected import write_rejected
 from standfast.cli.strata_table import WORDS, rows_of_assessment, write_strata
 from standfast.errors import InputError
@@ -46,9 +46,7 @@ def add(commands: Any) -> None:
         "ankle_derivative_gain, ankle_damping, feedback_delay and so on; further files are joined "
         "by id",
     )
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="FILE.csv", help="default: NAME-assessed.csv"
-    )
+    add_file_option(parser, "FILE.csv", "NAME-assessed.csv")
     parser.add_argument("--csv", type=Path, metavar="FILE.csv", help=WORDS)
     parser.add_argument("--sex", choices=("male", "female", "other"), help="only of this sex")
     parser.add_argument("--age", metavar="AGES", help='only of these ages, as "65+" or "20-39"')
@@ -118,7 +116,7 @@ def _assess(options: argparse.Namespace) -> None:
             nerves=nerves,
             progress=after_piece,
         )
-    write_assessment(found, output)
+    write_assessment(found, made_room(output, options.output))
     summary = summary_of(found, bands)
     written = [output, *write_rejected(summary["rejected"], output)]
     if options.csv:
@@ -135,7 +133,7 @@ def _output_of(options: argparse.Namespace) -> Path:
     """Return the file that is written; refuse to write over the people or the other table."""
     first = options.people[0]
     name = "people" if str(first) == "-" else first.stem
-    output: Path = options.output or Path(f"{name}-assessed.csv")
+    output = output_file(options.output, f"{name}-assessed.csv")
     written = [output, *([options.csv] if options.csv else [])]
     for path in written:
         if os.path.realpath(path) in map(os.path.realpath, options.people):

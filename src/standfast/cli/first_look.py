@@ -19,11 +19,15 @@ MOST_MEMORY, MOST_SECONDS = 2**31, 60  # beyond what the process has; of the pro
 
 
 def look_first(options: argparse.Namespace) -> None:
-    """Look at the file that a command reads, or finds finished; refuse what HDF5 fails on."""
+    """Look at the files that a command reads, or finds finished; refuse what HDF5 fails on."""
     given = vars(options)
-    path = output_of(options) if "study" in given else given.get("atlas") or given.get("source")
-    if path is None or path.suffix == ".toml" or not path.is_file():
-        return
+    found = output_of(options) if "study" in given else given.get("atlas") or given.get("source")
+    for path in found if isinstance(found, list) else [found]:
+        if path is not None and path.suffix != ".toml" and path.is_file():
+            _look_at(path)
+
+
+def _look_at(path: Path) -> None:
     from standfast.atlas.opening import open_atlas
     from standfast.population.summary.file import is_population, open_population
 

@@ -20,9 +20,13 @@ MOST_RUNS = 20  # of shards that are named
 def add(commands: Any) -> None:
     """Declare the command."""
     parser = add_command(
-        commands, _info, "say what is inside an atlas file, on one screen", "info atlas.h5"
+        commands,
+        _info,
+        "say what is inside the file of an atlas or a population, on one screen",
+        "info atlas.h5",
     )
-    parser.add_argument("atlas", type=Path, metavar="FILE.h5")
+    words = "an atlas or a population, finished or not"
+    parser.add_argument("atlas", type=Path, metavar="FILE.h5", help=words)
     parser.add_argument("--json", action="store_true", help="as one JSON object")
 
 

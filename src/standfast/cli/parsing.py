@@ -2,6 +2,7 @@
 
 import argparse
 import errno
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -36,6 +37,30 @@ def add_folder_option(
     parser.add_argument(
         "-o", "--output", type=Path, default=Path(default), metavar="FOLDER", help=words
     )
+
+
+def add_file_option(parser: argparse.ArgumentParser, kind: str, default: str) -> None:
+    """Declare the file that a result goes to; :func:`output_file` reads what is given."""
+    words = f"a file, or a folder for it (NAME/ is made); default: {default}"
+    parser.add_argument("-o", "--output", metavar=kind, help=words)
+
+
+def output_file(given: str | None, name: str) -> Path:
+    """Return the file that a result goes to: as given, or under ``name`` in a given folder.
+
+    A folder is what exists as one, or ends in a slash.
+    """
+    if given is None:
+        return Path(name)
+    is_folder = given.endswith(os.sep) or (given != "" and Path(given).is_dir())
+    return Path(given) / name if is_folder else Path(given)
+
+
+def made_room(path: Path, given: str | None) -> Path:
+    """Return a file of :func:`output_file`; its folder is made if it was given as one."""
+    if given is not None and path != Path(given):
+        made_folder(path.parent)
+    return path
 
 
 def add_format_option(parser: argparse.ArgumentParser, of_what: str = "") -> None:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from standfast.cli.parsing import add_command
+from standfast.cli.parsing import add_command, made_room, output_file
 from standfast.cli.person_text import fed_back, motion, print_person
 from standfast.errors import InputError
 from standfast.parameters import (
@@ -57,9 +57,8 @@ def add(commands: Any) -> None:
         words = f"{kind} of {keys}, {rows[0].unit}; repeatable"
         metavar = "JOINT=X"
         parser.add_argument(f"--{option}", action="append", default=[], metavar=metavar, help=words)
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="FIGURE.png", help="draw it too (.png, .svg or .pdf)"
-    )
+    words = "draw it too (.png, .svg or .pdf; NAME/ is a folder)"
+    parser.add_argument("-o", "--output", metavar="FIGURE.png", help=words)
     parser.add_argument("--json", action="store_true", help="everything as one JSON object")
 
 
@@ -77,20 +76,19 @@ def _help(row: Parameter) -> str:
 def _person(options: argparse.Namespace) -> None:
     from standfast.study.canonical import json_value
 
-    if options.output is not None and options.output.suffix not in FORMATS:
-        raise InputError(
-            f"{options.output} is not the name of a figure; end it in .png, .svg or .pdf"
-        )
+    output = None if options.output is None else output_file(options.output, "person.png")
+    if output is not None and output.suffix not in FORMATS:
+        raise InputError(f"{output} is not the name of a figure; end it in .png, .svg or .pdf")
     given = _given(options)
     facts = _facts(given)
-    if options.output is not None:
-        _draw(options.output, given, facts)
+    if output is not None:
+        _draw(made_room(output, options.output), given, facts)
     if options.json:
         print(json.dumps(json_value(facts), ensure_ascii=False, allow_nan=False))
         return
     print_person(given, facts)
-    if options.output is not None:
-        print(f"\nWritten: {options.output}")
+    if output is not None:
+        print(f"\nWritten: {output}")
 
 
 def _given(options: argparse.Namespace) -> dict[str, Any]:

@@ -47,10 +47,13 @@ def _population(options: argparse.Namespace) -> None:
     if found is None:
         return
     written = [output, *write_rejected(found.summary["people"].get("rejected", []), output)]
+    said: list[str] = []
     if not options.no_figures:
         from standfast.figures.population import draw
 
-        written += draw(found, output.with_suffix(""), options.format or ("png",))
+        drawn = draw(found, output.with_suffix(""), options.format or ("png",))
+        written += [path for drawing in drawn for path in drawing.paths]
+        said = [drawing.remark for drawing in drawn if drawing.remark]
     if options.csv:
         write_strata(list(rows_of_population(found.summary)), options.csv)
         written.append(options.csv)
@@ -59,6 +62,8 @@ def _population(options: argparse.Namespace) -> None:
         return
     print_summary(found.summary)
     print(f"\nWritten to {output.parent}: {', '.join(path.name for path in written)}")
+    for remark in said:
+        print(f"  {remark}")
 
 
 def _require_own_file(table: Path | None, others: list[Path]) -> None:

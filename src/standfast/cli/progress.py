@@ -48,11 +48,16 @@ def interruptible() -> Iterator[Callable[[], None]]:
 
 
 @contextlib.contextmanager
-def progress_bar(what: str) -> Iterator[tuple[Callable[[Estimate], None], ShowProgress]]:
-    """Show an estimate and a bar on a terminal, plain lines elsewhere; ``what`` is counted."""
+def progress_bar(
+    what: str, at_first: str = "compiling"
+) -> Iterator[tuple[Callable[[Estimate], None], ShowProgress]]:
+    """Show an estimate and a bar on a terminal, plain lines elsewhere; ``what`` is counted.
+
+    ``at_first`` stands where the rate will be.
+    """
     on_terminal = sys.stderr is not None and sys.stderr.isatty()
     began = time.monotonic()
-    with _bar(what) if on_terminal else _plain_lines(what) as (print_line, show):
+    with _bar(what, at_first) if on_terminal else _plain_lines(what) as (print_line, show):
 
         def show_estimate(estimate: Estimate) -> None:
             nonlocal began
@@ -71,14 +76,14 @@ def progress_bar(what: str) -> Iterator[tuple[Callable[[Estimate], None], ShowPr
 
 
 @contextlib.contextmanager
-def _bar(what: str) -> Iterator[Display]:
+def _bar(what: str, at_first: str) -> Iterator[Display]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     texts = TextColumn("{task.percentage:3.0f} %"), TextColumn("{task.fields[rate]}")
     columns = (BarColumn(), *texts, TimeRemainingColumn())
     with Progress(*columns, console=Console(file=sys.__stderr__), transient=True) as bar:
-        task = bar.add_task("", total=None, rate="compiling")
+        task = bar.add_task("", total=None, rate=at_first)
 
         def show(done: int, total: int, seconds: float) -> None:
             bar.update(task, completed=done, total=total, rate=f"{done / seconds:.3g} {what}/s")

@@ -11,15 +11,19 @@ from typing import Any
 
 from standfast.cli.arrays import job_script, share_of_work
 from standfast.cli.executors import add_executor_options, executor_of
-from standfast.cli.parsing import StoppedError, number_from_1
+from standfast.cli.parsing import (
+    StoppedError,
+    add_file_option,
+    made_room,
+    number_from_1,
+    output_file,
+)
 
 
 def add_run_options(parser: argparse.ArgumentParser, work: str) -> None:
     """Declare a study and the options of a run that is done in shards."""
     parser.add_argument("study", type=Path, metavar="STUDY.toml")
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="FILE.h5", help="default: the study's name with .h5"
-    )
+    add_file_option(parser, "FILE.h5", "the study's name with .h5")
     parser.add_argument(
         "--part",
         type=share_of_work,
@@ -35,8 +39,7 @@ def add_run_options(parser: argparse.ArgumentParser, work: str) -> None:
 
 def output_of(options: argparse.Namespace) -> Path:
     """Return the file that a run writes."""
-    output: Path = options.output or Path(options.study.name).with_suffix(".h5")
-    return output
+    return output_file(options.output, Path(options.study.name).with_suffix(".h5").name)
 
 
 def run_shards(
@@ -54,6 +57,7 @@ def run_shards(
         print(job_script(options.command, options.study, output, study.shard_count), end="")
         return None
     _say_where_it_resumes(study, output)
+    made_room(output, options.output)
     with progress_bar(what) as (show_estimate, show_progress), interruptible() as stop_if_asked:
 
         def after_estimate(estimate: Any) -> None:

@@ -6,71 +6,211 @@ the title.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from standfast.atlas.reader import Atlas
-from standfast.figures import charts, standing, style
-from standfast.figures.choosing import MOST_CURVES, left_out, named, thinned
+from standfast.errors import InputError
+from standfast.figures import labels, locus
+from standfast.figures.choosing import MOST_CURVES, middles, thinned
+from standfast.figures.maps import LIMITS
+from standfast.figures.naming import curve_words, given_words, set_title
+from standfast.figures.scales import set_scale
+from standfast.figures.slicing import slice_of
+from standfast.figures.style import GREY, axes_for, graded, new_axes, note
+from standfast.parameters import PARAMETERS
 from standfast.quantities import QUANTITIES
 from standfast.study.study import Study
 from standfast.thresholds.planes import DELAY, LEAST_SIDE
 
 ROOT = ("decay_rate", "sway_frequency")  # minus the real part; the imaginary part over 2π
 
-LONG_NAME = 16  # characters, of which three do not fit a column side by side
+
+@dataclass(frozen=True, slots=True)
+class Cut:
+    """Which curves along one axis are drawn: places in the grid by name, and what is shown."""
+
+    along: str
+    places: Mapping[str, tuple[Any, ...]]
+    shown: Mapping[str, set[int]]
+    held: Mapping[str, int]
+
+    @property
+    def several(self) -> bool:
+        """Whether there is more than one curve."""
+        return len(self.places) > 1
 
 
 def curves_of(
-    atlas: Atlas, name: str, stem: Path, formats: Sequence[str]
-) -> tuple[list[Path], str]:
-    """Draw a quantity along its longest numeric axis; return the files and what is left out."""
-    study, variable = atlas.study, atlas[name]
-    numeric = [axis for axis in variable.dims if axis != "body_model"]
-    along = max(numeric, key=lambda axis: len(study.axes[axis]))
-    cut = _Cut.of(study, variable.dims, along)
-    values, label = study.axes[along], QUANTITIES[name].label
+    atlas: Atlas,
+    quantity: str,
+    *,
+    ax: Axes | None = None,
+    at: Mapping[str, Any] | None = None,
+    along: str | None = None,
+) -> Axes:
+    """Draw a quantity along one axis, one labelled curve for each value of another.
+
+    Parameters
+    ----------
+    atlas, quantity
+        what to draw, a quantity inside the atlas.
+    ax
+        where to draw (default: new axes of a figure of pyplot).
+    at
+        values of axes by name; the nearest on the grid is drawn, and named in the title. Other axes
+        are taken in their middle.
+    along
+        the horizontal axis (default: the longest).
+
+    Returns
+    -------
+    The axes.
+
+    Raises
+    ------
+    InputError
+        for an unknown name, a value beyond its axis, or a quantity without an axis.
+    """
+    index = slice_of([atlas.study], at).index
+    cut = cut_of(atlas, quantity, index, along)
+    if cut is None:
+        raise InputError(f"{atlas.path} has no axis to draw {quantity} along")
+    ax = axes_for(ax)
+    draw_curves(ax, atlas, quantity, cut)
+    set_title(ax, title_of(atlas.study, cut, [quantity]))
+    return ax
+
+
+def locus_of(
+    atlas: Atlas, *, axes: Sequence[Axes] | None = None, at: Mapping[str, Any] | None = None
+) -> Sequence[Axes]:
+    """Draw the rightmost root over the delay: real part, imaginary part, complex plane.
+
+    Parameters
+    ----------
+    atlas
+        one that holds ``decay_rate`` and ``sway_frequency`` on an axis of the delay.
+    axes
+        three axes to draw into (default: those of a new figure of pyplot).
+    at
+        values of axes by name, as of :func:`curves_of`.
+
+    Returns
+    -------
+    The three axes.
+
+    Raises
+    ------
+    InputError
+        if the atlas holds no rightmost root along the delay, or for a wrong name or value.
+    """
+    index = slice_of([atlas.study], at).index
+    cut = locus_cut(atlas, index)
+    if cut is None:
+        raise InputError(f"{atlas.path} does not hold {' and '.join(ROOT)} along {DELAY}")
+    if axes is None:
+        axes = new_axes(3)
+    draw_loci(axes, atlas, cut)
+    if cut.several:
+        axes[0].legend(frameon=False, fontsize="small")
+    set_title(axes[1], title_of(atlas.study, cut, ROOT))
+    return axes
+
+
+def cut_of(
+    atlas: Atlas, quantity: str, index: Mapping[str, int], along: str | None = None
+) -> Cut | None:
+    """Choose the curves of a quantity, of which some axes are cut; None if no axis is left."""
+    study, dims = atlas.study, atlas[quantity].dims
+    left = [name for name in dims if name not in index]
+    numeric = [name for name in left if not PARAMETERS[name].choices]
+    if along is not None and along not in numeric:
+        raise InputError(
+            f"{quantity} has no axis {along!r} to be drawn along (axes: {', '.join(left)})"
+        )
+    if not numeric:
+        return None
+    along = along or max(numeric, key=lambda name: len(study.axes[name]))
+    others = [name for name in left if name != along]
+    second = max(others, key=lambda name: len(study.axes[name]), default=None)
+    kept = thinned(study, [second] if second else [], MOST_CURVES)
+    held = {name: i for name, i in index.items() if name in dims}
+    held |= {name: i for name, i in middles(study, others).items() if name != second}
+    places: dict[str, tuple[Any, ...]] = {}
+    units = (PARAMETERS[along].unit, QUANTITIES[quantity].unit)
+    for at in sorted(kept[second]) if second else [0]:
+        place: dict[str, Any] = {**held, along: slice(None)}
+        words = ""
+        if second:
+            place[second] = at
+            words = curve_words(study, second, at, units, full=not places)
+        places[words] = tuple(place[name] for name in dims)
+    shown = {**kept, **{name: {i} for name, i in held.items() if name not in index}}
+    return Cut(along, places, shown, held)
+
+
+def title_of(study: Study, cut: Cut, quantities: Sequence[str]) -> list[str]:
+    """Name what curves hold fixed."""
+    return given_words([study], {n: study.axes[n][i] for n, i in cut.held.items()}, quantities)
+
+
+def draw_curves(ax: Axes, atlas: Atlas, quantity: str, cut: Cut) -> None:
+    """Draw the curves of a cut, each with its name on it."""
+    study, variable = atlas.study, atlas[quantity]
+    values = study.axes[cut.along]
     finite = np.isfinite(values)
-    curves: dict[str, np.ndarray] = {}
+    x, curves = values[finite], {}
     for words, place in cut.places.items():
         curve = variable[place][finite].astype(float)
-        curves[words or label] = np.where(np.isfinite(curve), curve, np.nan)
-    with style.paper_figure(height=3.1) as (figure, (ax,)):
-        standing.quantity_curves(ax, values[finite], curves, label=label, axis=along)
-        ax.set_title(cut.title)
-        if len(curves) > 1:
-            handles, labels = ax.get_legend_handles_labels()
-            columns = 2 if max(map(len, labels)) > LONG_NAME else 3
-            figure.legend(handles, labels, loc="outside lower center", ncols=columns, frameon=False)
-        return style.save(figure, stem, formats), left_out(study, cut.shown)
+        curves[words] = np.where(np.isfinite(curve), curve, np.nan)
+    for color, (name, curve) in zip(graded(len(curves)), curves.items(), strict=True):
+        ax.plot(x, curve, color=color, label=name or quantity.replace("_", " "))
+    set_scale(ax, "x", study, cut.along)
+    _set_height(ax, quantity, list(curves.values()))
+    ax.set(xlabel=PARAMETERS[cut.along].label, ylabel=QUANTITIES[quantity].label)
+    labels.name_curves(ax, ((name, (x, curve)) for name, curve in curves.items()))
 
 
-def has_loci(atlas: Atlas) -> bool:
-    """Return whether an atlas holds the rightmost root along the delay."""
-    return set(ROOT) <= set(atlas.quantities) and (
-        DELAY in atlas.study.axes and len(atlas.study.axes[DELAY]) >= LEAST_SIDE
-    )
+def _set_height(ax: Axes, quantity: str, curves: Sequence[np.ndarray]) -> None:
+    """Set the vertical ends, and say on which side of the limit the person falls."""
+    values = np.concatenate([curve[np.isfinite(curve)] for curve in curves])
+    # a curve that runs away towards an asymptote would flatten all the rest
+    if values.size and values.min() > 0.0 and values.max() > 8.0 * np.median(values):
+        ax.set_ylim(0.0, 4.0 * np.median(values))
+    limit = LIMITS.get(quantity)
+    low, high = ax.get_ylim()
+    ax.set_ylim(low, high)
+    if limit is not None and low < limit < high:
+        ax.axhspan(low, limit, color="0.93", zorder=0)
+        words = "falls"
+        if (limit - low) / (high - low) > 0.08:
+            ax.text(0.02, 0.03, words, transform=ax.transAxes, fontsize="small", color=GREY)
+    elif values.size and values.min() < 0.0 < values.max():
+        ax.axhline(0.0, color=GREY, linewidth=0.5)
+    if quantity.startswith("critical_") and quantity.endswith("_stiffness"):
+        note(ax, "above its curve a person stands")
 
 
-def root_loci(atlas: Atlas, stem: Path, formats: Sequence[str]) -> tuple[list[Path], str]:
-    """Draw the rightmost root over the delay; return the files and what is left out."""
-    study, delay = atlas.study, atlas.study.axes[DELAY]
-    cut = _Cut.of(study, atlas[ROOT[0]].dims, DELAY)
+def locus_cut(atlas: Atlas, index: Mapping[str, int]) -> Cut | None:
+    """Choose the loci of an atlas; None if it holds no rightmost root along the delay."""
+    long = len(atlas.study.axes.get(DELAY, ())) >= LEAST_SIDE
+    if not (long and set(ROOT) <= set(atlas.quantities)) or DELAY in index:
+        return None
+    return cut_of(atlas, ROOT[0], index, DELAY)
+
+
+def draw_loci(axes: Sequence[Axes], atlas: Atlas, cut: Cut) -> None:
+    """Draw the rightmost root over the delay into three axes."""
+    delay = atlas.study.axes[DELAY]
     roots: dict[str, np.ndarray] = {}
     for words, place in cut.places.items():
         decay, frequency = (atlas[quantity][place] for quantity in ROOT)
         roots[words] = np.where(np.isfinite(decay), -decay + 2j * np.pi * frequency, np.nan)
-    with style.paper_figure(style.PAGE, 2.9, (1, 3)) as (figure, axes):
-        found = {words: crossings_of(delay, root) for words, root in roots.items()}
-        charts.root_locus_over_delay(axes, delay, roots, found)
-        if cut.title:
-            figure.suptitle(cut.title, fontsize=style.STYLE["axes.titlesize"])
-        handles = axes[0].get_legend_handles_labels()[0] if len(roots) > 1 else []
-        handles += charts.locus_marks()
-        figure.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False)
-        return style.save(figure, stem, formats), left_out(study, cut.shown)
+    found = {words: crossings_of(delay, root) for words, root in roots.items()}
+    locus.root_locus_over_delay(axes, delay, roots, found)
 
 
 def crossings_of(delay: np.ndarray, root: np.ndarray) -> np.ndarray:
@@ -83,32 +223,6 @@ def crossings_of(delay: np.ndarray, root: np.ndarray) -> np.ndarray:
     share = real[at] / (real[at] - real[at + 1])
     tau = delay[at] + share * (delay[at + 1] - delay[at])
     # where another pair takes over in between, of the root that is nearer to the axis
-    share = np.where(charts.jumps(root)[at], np.rint(share), share)
+    share = np.where(locus.jumps(root)[at], np.rint(share), share)
     imaginary = root.imag[at] + share * (root.imag[at + 1] - root.imag[at])
     return np.column_stack([tau, np.zeros(at.size), imaginary])
-
-
-@dataclass(frozen=True, slots=True)
-class _Cut:
-    """Which curves along one axis are drawn: places in the grid by name, and what is shown."""
-
-    places: Mapping[str, tuple[Any, ...]]
-    shown: Mapping[str, set[int]]
-    title: str
-
-    @classmethod
-    def of(cls, study: Study, dims: Sequence[str], along: str) -> "_Cut":
-        others = [axis for axis in dims if axis != along]
-        second = max(others, key=lambda axis: len(study.axes[axis]), default=None)
-        kept = thinned(study, [second] if second else [], MOST_CURVES)
-        middle = {axis: len(study.axes[axis]) // 2 for axis in others}
-        places: dict[str, tuple[Any, ...]] = {}
-        for at in sorted(kept[second]) if second else [0]:
-            index: dict[str, Any] = {**middle, along: slice(None)}
-            words = ""
-            if second:
-                index[second], words = at, named(study, second, study.axes[second][at])
-            places[words] = tuple(index[axis] for axis in dims)
-        rest = {axis: middle[axis] for axis in others if axis != second}
-        title = ", ".join(named(study, axis, study.axes[axis][at]) for axis, at in rest.items())
-        return cls(places, {**kept, **{axis: {at} for axis, at in rest.items()}}, title)

@@ -1,12 +1,11 @@
-"""Which values of a study a figure shows, what it leaves out, and how it names them."""
+"""Which values of a study a figure shows, and what it leaves out."""
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
-from standfast.parameters import PARAMETERS
 from standfast.study.study import Study
 
 # More small multiples than these are thinned out evenly: a page holds no more that can be read.
@@ -26,6 +25,11 @@ def thinned(study: Study, axes: Sequence[str], most: int) -> dict[str, set[int]]
     }
 
 
+def middles(study: Study, axes: Sequence[str]) -> dict[str, int]:
+    """Return the middle of some axes."""
+    return {axis: len(study.axes[axis]) // 2 for axis in axes}
+
+
 def left_out(study: Study, shown: Mapping[str, set[int]]) -> str:
     """Say which axes are shown at fewer values than the study has."""
     words = [
@@ -36,19 +40,7 @@ def left_out(study: Study, shown: Mapping[str, set[int]]) -> str:
     return f"shows {', '.join(words)}" if words else ""
 
 
-def titled(study: Study, values: Mapping[str, Any], axes: Sequence[str]) -> str:
-    """Name the values of some axes, one a line."""
-    return "\n".join(named(study, axis, values[axis]) for axis in axes)
-
-
-def named(study: Study, axis: str, value: Any) -> str:
-    """Name a value, with as few digits as tell it from all others of its axis."""
-    if axis == "body_model":
-        return str(value)
-    row = PARAMETERS[axis]
-    name = f"${row.symbol}$" if row.symbol else axis.upper()
-    if np.isinf(value):
-        return f"{name} rigid"
-    values = study.axes.get(axis, np.array([value]))
-    enough = (n for n in (4, 6, 8, 12) if len({f"{v:.{n}g}" for v in values}) == len(values))
-    return f"{name} = {value:.{next(enough, 17)}g} {row.unit}"
+def places_of(shown: Mapping[str, set[int]]) -> list[dict[str, int]]:
+    """Return the index of each panel, in the study's order."""
+    every = itertools.product(*(sorted(kept) for kept in shown.values()))
+    return [dict(zip(shown, place, strict=True)) for place in every]

@@ -60,13 +60,10 @@ class Contour:
         return self.ankle, self.hip
 
 
-def exact_contours(study: Study, only: Mapping[str, set[int]] | None = None) -> Iterator[Contour]:
-    """Go through the limits of standing of a study in closed form, plane by plane.
-
-    ``only`` keeps the planes whose index along an axis is in a set.
-    """
+def exact_contours(study: Study) -> Iterator[Contour]:
+    """Go through the limits of standing of a study in closed form, plane by plane."""
     planes.require_closed_form(study)
-    for plane in planes.planes_of(study, only):
+    for plane in planes.planes_of(study):
         yield Contour(plane, *plane.limit_of_standing(study.axes[ANKLE], study.axes[HIP]))
 
 

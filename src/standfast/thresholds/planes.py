@@ -66,15 +66,10 @@ class Plane:
         return ankle[inside][order], hip[inside][order]
 
 
-def planes_of(study: Study, only: Mapping[str, set[int]] | None = None) -> Iterator[Plane]:
-    """Go through the planes of ankle × hip of a study, in its order.
-
-    ``only`` keeps those whose index along an axis is in a set.
-    """
+def planes_of(study: Study) -> Iterator[Plane]:
+    """Go through the planes of ankle × hip of a study, in its order."""
     others = [name for name in study.axes_of("stable") if name not in PLANE_AXES]
-    kept: dict[str, Iterable[int]] = {name: range(len(study.axes[name])) for name in others}
-    kept.update(only or {})
-    for index in itertools.product(*(sorted(kept[name]) for name in others)):
+    for index in itertools.product(*(range(len(study.axes[name])) for name in others)):
         yield plane_at(study, dict(zip(others, index, strict=True)))
 
 
@@ -108,9 +103,9 @@ def axes_of_plane(study: Study, dims: Iterable[str]) -> tuple[str, str] | None:
 
 
 def axis_of_curves(dims: Iterable[str], plane: tuple[str, str]) -> str | None:
-    """Choose the axis whose values are curves on one plane: the delay, else the knee."""
+    """Choose the axis whose values are curves on one plane: delay, knee, model, or the first."""
     left = [name for name in dims if name not in plane]
-    return next((name for name in (DELAY, KNEE) if name in left), None)
+    return next((name for name in (DELAY, KNEE, "body_model", *left) if name in left), None)
 
 
 def has_closed_form(study: Study) -> bool:
@@ -135,6 +130,16 @@ def require_closed_form(study: Study) -> None:
             )
         if finite(study.axes[name]).size < 2:
             raise InputError(f"{curves}, and {name} has fewer than two finite values in this study")
+
+
+def is_log(study: Study, axis: str) -> bool:
+    """Return whether the values of an axis rise by factors, not by steps."""
+    values = finite(study.axes[axis])
+    if values.size < 3 or values[0] <= 0.0:
+        return False
+    steps, factors = np.diff(values), values[1:] / values[:-1]
+    even = np.ptp(steps) <= 1e-6 * steps.max()
+    return bool(not even and np.ptp(np.log(factors)) <= 1e-6 * np.log(factors).max())
 
 
 def finite(values: np.ndarray) -> np.ndarray:

@@ -1,0 +1,53 @@
+"""Where results go: -o names a file, or a folder that is made."""
+
+import pytest
+
+from standfast.cli.app import main
+from standfast.cli.parsing import output_file
+
+STUDY = """
+[body]
+height = 1.7
+mass = 70
+[stiffness]
+ankle = [500, 900]
+knee = inf
+hip = 500
+"""
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "one.toml").write_text(STUDY)
+    (tmp_path / "people.csv").write_text("height,mass\n1.7,70\n")
+    (tmp_path / "there").mkdir()
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("given", "path"),
+    [(None, "a.h5"), ("b.h5", "b.h5"), ("new/", "new/a.h5"), ("there", "there/a.h5"),
+     ("there/b.h5", "there/b.h5"), (".", "a.h5")],
+)  # fmt: skip
+def test_a_folder_is_what_is_one_or_ends_in_a_slash(place, given, path):
+    assert str(output_file(given, "a.h5")) == path
+
+
+@pytest.mark.parametrize(
+    ("command", "name"),
+    [
+        (["sweep", "one.toml"], "one.h5"),
+        (["assess", "people.csv"], "people-assessed.csv"),
+    ],
+)
+def test_a_new_folder_is_made_and_a_file_is_written_into_it(place, capsys, command, name):
+    assert main([*command, "-o", "new/deep/"]) == 0
+    assert (place / "new" / "deep" / name).is_file()
+    assert main([*command, "-o", "there"]) == 0
+    assert (place / "there" / name).is_file()
+
+
+def test_a_job_script_makes_no_folder(place, capsys):
+    main(["sweep", "one.toml", "-o", "new/", "--job-script", "slurm"])
+    assert not (place / "new").exists()

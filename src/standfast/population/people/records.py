@@ -8,9 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from standfast.errors import InputError
-from standfast.parameters import PARAMETERS, Parameter, checked_number, number_in
+from standfast.parameters import OWN_BODY, PARAMETERS, Parameter, checked_number, number_in
 from standfast.population.people.csv_table import MEASURABLE, Table, hint, read_table
-from standfast.population.people.own_segments import check_body, without_some_segments
+from standfast.population.people.own_segments import (
+    check_body,
+    whose_segments,
+    without_some_segments,
+)
 
 SEXES = ("male", "female", "unknown")
 ADULT = 18
@@ -146,6 +150,7 @@ def _people(
         raise InputError(f"{tables[0].name}: the weights of all usable rows are 0")
     remarks = [f"{table.name}: {each}" for table in tables for each in table.remarks]
     remarks += [f"{tables[0].name}: {each}" for each in remark]
+    remarks += whose_segments(column(OWN_BODY[0])) if OWN_BODY[0] in columns else []
     if children := int((column("age") < ADULT).sum()):
         remarks.append(f"{children:,} are under {ADULT} years, and the body models are of adults")
     return People(

@@ -70,6 +70,8 @@ def test_each_is_assessed_with_the_own_segments_and_the_rest_by_the_model_of_the
     np.testing.assert_allclose(
         assessed(path, body_model={**MODELS, "other": "winter"}), wanted, RTOL
     )
+    words = "6 of 9 have segments of their own, the others are scaled"
+    assert words in read_people([path]).remarks
     # a model of all changes those alone who are scaled
     all_winter = assessed(path)
     assert np.array_equal(np.isclose(all_winter, wanted, rtol=RTOL), [False, False] + 7 * [True])

@@ -3,6 +3,8 @@
 import math
 from collections.abc import Mapping
 
+import numpy as np
+
 from standfast.anthropometry.body import implausible
 from standfast.errors import InputError
 from standfast.parameters import OWN_BODY, SEGMENT_NUMBERS, check_bmi
@@ -23,6 +25,12 @@ def without_some_segments(columns: set[str]) -> tuple[set[str], tuple[str, ...]]
         "all are scaled from height and mass"
     )
     return columns - set(OWN_BODY), (remark,)
+
+
+def whose_segments(shank_mass: np.ndarray) -> list[str]:
+    """Say how many have segments of their own; NaN: not measured."""
+    own = int((~np.isnan(shank_mass)).sum())
+    return [f"{own:,} of {len(shank_mass):,} have segments of their own, the others are scaled"]
 
 
 def check_body(person: Mapping[str, object]) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from standfast.errors import InputError
-from standfast.parameters import PARAMETERS, Parameter, checked_number, number_in
+from standfast.parameters import OWN_BODY, PARAMETERS, Parameter, checked_number, number_in
 from standfast.population.people.csv_table import MEASURABLE, WEIGHT, Table, hint, read_table
 from standfast.population.people.joining import (
     added_by_id,
@@ -16,7 +16,11 @@ from standfast.population.people.joining import (
     own_names,
     repeated_ids,
 )
-from standfast.population.people.own_segments import check_body, without_some_segments
+from standfast.population.people.own_segments import (
+    check_body,
+    whose_segments,
+    without_some_segments,
+)
 from standfast.population.people.remarks import remarks_on
 from standfast.population.people.words import age_of, is_nothing, is_top_coded, sex_of
 
@@ -196,6 +200,7 @@ def _people(
         raise InputError(f"{tables[0].name}: the weights of all usable rows are 0")
     remarks = [f"{table.name}: {each}" for table in tables for each in table.remarks]
     remarks += [f"{tables[0].name}: {each}" for each in remark]
+    remarks += whose_segments(column(OWN_BODY[0])) if OWN_BODY[0] in columns else []
     remarks += [each for table in tables for each in repeated_ids(table)]
     remarks += remarks_on(persons)
     return People(

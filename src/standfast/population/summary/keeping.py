@@ -47,7 +47,7 @@ def flags(words: Iterable[str], dtype: type = np.uint8) -> dict[str, object]:
     ``dtype`` is that of the numbers, as CF wants it.
     """
     words = [word.replace(" ", "_") for word in words]
-    values = np.arange(len(words), dtype=dtype)
+    values: np.ndarray = np.arange(len(words), dtype=dtype)
     return {"flag_values": values, "flag_meanings": " ".join(words)} if words else {}
 
 

@@ -41,10 +41,13 @@ def new_persons(
         set_attributes(dataset, attributes | flags(classes.get(name, ())))
 
 
-def flags(words: Iterable[str]) -> dict[str, object]:
-    """Return the attributes, after CF, of classes that are numbered from 0; none for none."""
+def flags(words: Iterable[str], dtype: type = np.uint8) -> dict[str, object]:
+    """Return the attributes, after CF, of classes that are numbered from 0; none for none.
+
+    ``dtype`` is that of the numbers, as CF wants it.
+    """
     words = [word.replace(" ", "_") for word in words]
-    values = np.arange(len(words), dtype=np.uint8)
+    values: np.ndarray = np.arange(len(words), dtype=dtype)
     return {"flag_values": values, "flag_meanings": " ".join(words)} if words else {}
 
 

@@ -82,7 +82,7 @@ def _write_axes(file: h5py.File, study: PopulationStudy) -> None:
     for name, values in layout.axes.items():
         unit, meaning = labels[name]
         scale = file.create_dataset(name, data=values)
-        words = flags(classes.get(name, ()))
+        words = flags(classes.get(name, ()), np.float64)
         set_attributes(scale, {"units": unit, "long_name": meaning} | words)
         scale.make_scale(name)
 

@@ -135,7 +135,7 @@ def test_subjects_of_a_file_are_marked_in_their_panels(atlas, tmp_path, drawn):
     people = tmp_path / "subjects.csv"
     people.write_text(
         "id;ankle;hip;knee_stiffness;mass;group\n"
-        "S1;900,5;400;2000;68;x\nS2;700;300;inf;80;y\nS3;6000;100;1000;68;y\n"
+        "S1;900,5;400;2000;68;x\nS2;700;300;inf;80;y\nS3;6000;100;1000;68;y\nS4;900;;2000;68;y\n"
     )
     subjects, unused = marking.subjects_in(people)
     assert unused.endswith("not used: group")
@@ -143,6 +143,7 @@ def test_subjects_of_a_file_are_marked_in_their_panels(atlas, tmp_path, drawn):
     (drawing,) = plot(atlas, tmp_path, quantities=["frequency"], at=at, mark=subjects)
     assert "S3 is outside: ankle_stiffness 6000, axis 50 to 5000" in drawing.remark
     assert "S2: mass 80 kg, drawn where it is 68" in drawing.remark
+    assert "S4 does not name hip_stiffness: not marked" in drawing.remark
     assert "S1" not in drawing.remark
     panels = {ax.get_title(): ax for ax in drawn[0].axes if ax.get_title()}
     assert marks_of(panels["$K_k$ = 1000 N·m/rad"]) == []

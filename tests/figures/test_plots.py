@@ -185,3 +185,11 @@ def test_a_rigid_ankle_alone_is_drawn_as_curves(tmp_path, drawn):
     alone = {"ankle": [math.inf], "knee": 2000.0, "hip": [100.0, 200.0, 400.0]}
     (drawing,) = plot(atlas_of(tmp_path, ["safety_factor"], alone), tmp_path)
     assert drawing.paths[0].name == "a-safety_factor.png"
+
+
+def test_a_threshold_that_runs_away_does_not_take_all_colours():
+    axis, values = np.arange(5.0), np.full((5, 5), 800.0)
+    values[0], values[1, :2] = np.inf, 1e6
+    panel = maps.Panel(axis, axis, values, None)
+    assert maps.colours_of("critical_ankle_stiffness", [panel]).high == 4 * 800.0
+    assert maps.colours_of("frequency", [maps.Panel(axis, axis, -values, None)]).low < -1e5

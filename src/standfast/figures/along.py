@@ -15,7 +15,7 @@ from standfast.atlas.reader import Atlas
 from standfast.errors import InputError
 from standfast.figures import labels, locus
 from standfast.figures.choosing import MOST_CURVES, middles, thinned
-from standfast.figures.maps import LIMITS
+from standfast.figures.maps import CUT_AT, LIMITS, RUNNING_AWAY
 from standfast.figures.naming import curve_words, given_words, set_title
 from standfast.figures.scales import set_scale
 from standfast.figures.slicing import slice_of
@@ -178,8 +178,9 @@ def _set_height(ax: Axes, quantity: str, curves: Sequence[np.ndarray]) -> None:
     """Set the vertical ends, and say on which side of the limit the person falls."""
     values = np.concatenate([curve[np.isfinite(curve)] for curve in curves])
     # a curve that runs away towards an asymptote would flatten all the rest
-    if values.size and values.min() > 0.0 and values.max() > 8.0 * np.median(values):
-        ax.set_ylim(0.0, 4.0 * np.median(values))
+    middle = np.median(values) if values.size else 0.0
+    if values.size and values.min() > 0.0 and values.max() > RUNNING_AWAY * middle:
+        ax.set_ylim(0.0, CUT_AT * middle)
     limit = LIMITS.get(quantity)
     low, high = ax.get_ylim()
     ax.set_ylim(low, high)

@@ -96,10 +96,9 @@ def _pictures_of(
 
 
 def _check_marked(subjects: Sequence[Subject], drawn: Sequence[pictures.Picture]) -> None:
-    """Refuse a subject whom no figure can show."""
+    """Refuse subjects none of whom any figure can show; of a single one the figures say it."""
     every = list(dict.fromkeys(picture.plane for picture in drawn if picture.plane))
-    for one in subjects:
-        if not any(not marking.missing_axes(one, axes) for axes in every):
-            words = ", or ".join(" and ".join(axes) for axes in every)
-            needs = f"; a figure here has the axes {words}" if every else "; no figure is a plane"
-            raise InputError(f"--mark {one.called} names no axes of a figure{needs}")
+    if subjects and all(marking.missing_axes(one, axes) for one in subjects for axes in every):
+        words = ", or ".join(" and ".join(axes) for axes in every)
+        needs = f"; a figure here has the axes {words}" if every else "; no figure is a plane"
+        raise InputError(f"--mark {subjects[0].called} names no axes of a figure{needs}")

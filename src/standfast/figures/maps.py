@@ -29,6 +29,14 @@ MOST_POINTS = 800
 
 COLOURS = "cividis"
 
+LONG_LABEL = 32  # letters, with those of its formula
+
+# Infinite is long, of a delay; of a stiffness it is none that suffices.
+LONG_DELAYS = ("critical_delay", "delay_margin")
+
+# Values that run away to infinity are cut at so many times their median, as curves are.
+RUNNING_AWAY, CUT_AT = 8.0, 4.0
+
 # No contours are drawn of what jumps, from one root or mode to another.
 JUMPING = ("sway_frequency", "damping_ratio", "hip_ankle_ratio", "knee_ankle_ratio")
 # What a quantity is at the limit of standing, below which the person falls.
@@ -176,6 +184,9 @@ def colours_of(quantity: str, panels: Sequence[Panel]) -> Colours:
         least, most = int(values.min()), int(values.max())
         return Colours(least - 0.5, most + 0.5, most - least + 1)
     low, first, last, high = (float(v) for v in np.quantile(values, [0.01, 0.02, 0.95, 0.99]))
+    middle = float(np.median(values))
+    if low > 0.0 and high > RUNNING_AWAY * middle:
+        high, last = CUT_AT * middle, min(last, CUT_AT * middle)
     wider = 0.0 if low < high else 0.5
     return Colours(low - wider, high + wider, None, (first, last))
 
@@ -203,7 +214,9 @@ def add_bar(
     """Add the bar of colours of some panels, which says what is hatched."""
     falls = any(panel.region is not None and not panel.region.stands.all() for panel in panels)
     row = QUANTITIES[quantity]
-    label = row.label + (", hatched: falls" if falls else "")
+    # beside a panel there is no room for a long line
+    comma = ",\n" if len(row.label) > LONG_LABEL else ", "
+    label = row.label + (f"{comma}hatched: falls" if falls else "")
     painting.add_bar(axes, shown, label, whole=row.dtype == "uint8")
 
 
@@ -227,8 +240,10 @@ def draw_map(
     if quantity == CRITICAL:
         # beside those who fall, so that colours reach the limit, which lies between two points
         inside = continued(np.where(inside > 0.0, inside, np.nan))
-    # who stands at every delay has the colour of the longest
-    shown = np.where(np.isposinf(inside), colours.high + 1.0, inside)
+    shown = inside
+    if quantity in LONG_DELAYS:
+        # who stands at every delay has the colour of the longest
+        shown = np.where(np.isposinf(inside), colours.high + 1.0, inside)
     logarithmic = [planes.is_log(study, name) for name in layout.axes]
     mesh = _coloured(ax, panel, shown, colours, logarithmic)
     if region is not None:

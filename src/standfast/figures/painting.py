@@ -70,7 +70,7 @@ def contour_lines(
         for level, segments in zip(chosen, lines.allsegs, strict=True):
             pieces = [piece for line in segments for piece in (np.full((1, 2), np.nan), line)]
             points = np.concatenate([labels.NOWHERE, *pieces]).T
-            named[f"{level:.3g}".replace("-", "−")] = (points[0], points[1])
+            named[f"{level:.4g}".replace("-", "−")] = (points[0], points[1])
     labels.name_curves(ax, named.items(), crowded=False, avoid=avoid)
 
 

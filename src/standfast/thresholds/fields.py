@@ -13,6 +13,7 @@ import numpy as np
 
 from standfast.anthropometry.body import REFERENCE_PEOPLE, Body, ReferencePerson
 from standfast.mechanics.feedback import equation_of
+from standfast.parameters import OWN_BODY
 from standfast.quantities import Person
 from standfast.stability.springs import carried_loads
 from standfast.study.study import Study
@@ -21,6 +22,9 @@ from standfast.study.study import Study
 def person_on(study: Study, values: Mapping[str, Any]) -> Person:
     """Return the person of a study at some values of its axes, which may be arrays (x, y)."""
     given = {**study.fixed, **values}
+    if "body_model" not in given:
+        own = np.broadcast_arrays(*(np.atleast_2d(given[name]) for name in OWN_BODY))
+        return Person.of({**given, **dict(zip(OWN_BODY, own, strict=True))})
     reference = REFERENCE_PEOPLE[str(given["body_model"])]
     # a body's parts come first, before the plane
     spread = Body._make(np.asarray(part)[:, None, None] for part in reference.body)

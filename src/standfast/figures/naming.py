@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.font_manager import FontProperties
 
 from standfast.figures.style import MARKUP
-from standfast.parameters import PARAMETERS
+from standfast.parameters import OWN_BODY, PARAMETERS, SEGMENT_NUMBERS
 from standfast.quantities import QUANTITIES
 from standfast.study.study import Study
 
@@ -49,7 +49,8 @@ def given_words(
     """Name what a figure holds fixed: some values of axes, then what studies have in common.
 
     What is 0 unless given, and what the quantities do not depend on, is left out. Neighbours of one
-    unit share it: ``$K_a$ = 468, $K_k$ = 2000 N·m/rad``.
+    unit share it: ``$K_a$ = 468, $K_k$ = 2000 N·m/rad``. Segments of a person's own, if all are
+    fixed, are named together by what they weigh.
     """
     first = studies[0]
     common = {
@@ -57,6 +58,11 @@ def given_words(
         for name, value in first.fixed.items()
         if name not in values and all(study.fixed.get(name) == value for study in studies)
     }
+    words: list[str] = []
+    if all(name in common for name in OWN_BODY):
+        mass = sum(float(common.pop(name)) for name in SEGMENT_NUMBERS["segment_mass"])
+        words.append(f"own segments of {mass:.4g} kg")
+        common = {name: value for name, value in common.items() if name not in OWN_BODY}
     order = list(PARAMETERS)
     order.sort(key=lambda name: name == "gravity")  # the person comes first
     shown = [
@@ -64,7 +70,6 @@ def given_words(
         for name in order
         if name in values or (name in common and _matters(first, name, common[name], quantities))
     ]
-    words: list[str] = []
     for (name, value), (after, _) in itertools.pairwise([*shown, ("", None)]):
         row = PARAMETERS[name]
         shared = after and PARAMETERS[after].unit == row.unit and not row.choices

@@ -115,7 +115,7 @@ def test_the_d_shaped_chart_lies_on_the_closed_form(charts, name, away):
         assert np.minimum(steps_away(points, late), off_edge).max() > away
 
 
-@pytest.mark.parametrize("name", ["verdicts", "critical"])
+@pytest.mark.parametrize("name", ["verdicts", "critical", "decay"])
 def test_where_a_root_passes_through_0_the_limit_is_in_closed_form(charts, name):
     """Between verdicts half way, the line would lie up to half a step of 50 N·m/rad away."""
     for region in regions.regions(charts[name]):

@@ -127,7 +127,7 @@ def region(atlas: Atlas, axes: tuple[str, str], index: Mapping[str, int]) -> Reg
     x, y = (planes.finite(study.axes[name]) for name in axes)
     values = {name: study.axes[name][i] for name, i in index.items()}
     field = _field(atlas, axes, index)
-    finer = (x, y, field) if DECAY in atlas.quantities else _finer(study, axes, values, field)
+    finer = _finer(study, axes, values, field)
     return Region(axes, x, y, field, values, index, finer)
 
 

@@ -144,7 +144,8 @@ WRONG = [
     (
         "stiffness.ankle",
         {"start": 0, "stop": 2000, "num": 5, "step": 3},
-        "stiffness.ankle has no key 'step'; did you mean 'stop'? (keys: start, stop, num, spacing)",
+        "stiffness.ankle has a step; a range has the number of its values instead: "
+        "{ start = …, stop = …, num = … }",
     ),
     (
         "stiffness.ankle",

@@ -58,11 +58,8 @@ def assess(
     ----------
     people
         of :func:`.read_people`, or the files that it is to read, whose own columns are kept.
-    body_model
-        the proportions of everybody, or of ``female``, ``male`` and ``other``; whoever has own
-        segments needs none.
-    gravity
-        m/s².
+    body_model, gravity
+        proportions of everybody, or of ``female``, ``male``, ``other`` (not of own segments); m/s².
     otherwise
         stiffness (N·m/rad, ``inf`` is rigid) by joint, where it is not known of a person.
     nerves

@@ -7,7 +7,7 @@ import standfast as sf
 from delay_simulation import GRAVITY, amplitudes, falls, random_cases
 
 SEED = 20078
-CASES = 12
+CASES = 8
 AWAY = 1.0  # 1/s: so that some seconds tell
 
 

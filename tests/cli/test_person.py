@@ -125,6 +125,51 @@ def test_what_cannot_be_helped_is_said(capsys):
     assert "none: all three joints are rigid" in text
 
 
+def test_the_verdict_that_was_asked_comes_first(capsys):
+    weak = PERSON.replace("900", "400")
+    lines = said(capsys, weak + " --proportional ankle=600 --derivative ankle=150").split("\n")
+    assert lines[2] == (
+        "Stands with feedback: critical delay 0.008731 s, delay 0 s, margin 0.008731 s."
+    )
+    # a root crosses at 177 rad/s
+    assert lines[3] == (
+        "At the critical delay a sway at 28.2 Hz begins to grow; stiff joints without damping ring "
+        "(--damping ankle=…,knee=…,hip=…)."
+    )
+    assert lines[6].startswith("Falls by springs alone: safety factor 0.5707")
+    assert lines[7] == (
+        "They would just stand with 333.7 N·m/rad more at each joint, or with ankle alone at its "
+        "threshold."
+    )
+
+
+def test_what_is_lost_at_the_critical_delay_is_its_crossing(capsys):
+    found = json.loads(said(capsys, FED_BACK + " --json"))
+    body = sf.Body.from_height_mass(1.8, 24 * 1.8**2, "de-leva-male")
+    gains = np.zeros((3, 3))
+    gains[0, 0], gains[0, 2] = 500.0, 50.0
+    crossings = sf.delay_crossings(
+        body,
+        sf.Stiffness(600, math.inf, 900, ankle_hip=20),
+        9.81,
+        damping=(40, 0, 40),
+        feedback=sf.Feedback(gains, (200, 0, 0)),
+    )
+    omega = next(w for delay, w, _ in crossings if delay == pytest.approx(found["critical_delay"]))
+    assert found["critical_frequency"] == pytest.approx(omega / math.tau, rel=1e-12)
+    text = said(capsys, FED_BACK)
+    assert f"a sway at {omega / math.tau:.3g} Hz begins to grow.\n" in text  # it does not ring
+
+
+def test_a_delay_without_gains_does_nothing(capsys):
+    text = said(capsys, PERSON + " --delay 0.1")
+    assert "Stands: safety factor 1.05" in text
+    assert "Without gains (--proportional, --derivative) the delay does nothing." in text
+    assert "feedback as given" not in text
+    assert "Stands with damping.\n" in said(capsys, PERSON + " --damping ankle=20")
+    assert "the delay does nothing" not in said(capsys, FED_BACK)
+
+
 def test_it_needs_neither_jax_nor_matplotlib():
     code = (
         f"import sys; from standfast.cli.app import main; main({FED_BACK.split()!r})\n"
@@ -167,12 +212,35 @@ def test_a_head_is_where_the_height_says(tmp_path, monkeypatch):
     drawn = {}
     monkeypatch.setattr(
         "standfast.figures.person.sway_pattern",
-        lambda ax, lengths, rotation: drawn.update(lengths=lengths, rotation=rotation),
+        lambda ax, lengths, rotation, _: drawn.update(lengths=lengths, rotation=rotation),
     )
     body = sf.Body.from_height_mass(1.8, 80.0)
     joints = dict.fromkeys(JOINTS, 900.0)
     draw_person(tmp_path / "a.png", body, 1.8, rotation=(1.0, 0.5, -3.0), words=("a", "b"),
-                stiffness=joints, thresholds=joints)  # fmt: skip
+                falls=False, title="", stiffness=joints, thresholds=joints)  # fmt: skip
     assert sum(drawn["lengths"]) == pytest.approx(1.8 * 0.961, rel=1e-12)
     # the joint that turns most turns by 10°
     np.testing.assert_allclose(np.degrees(drawn["rotation"]), (10 / 3, 5 / 3, -10), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("command", "title", "labels"),
+    [
+        (PERSON, None, ["one extreme", "the other"]),
+        (PERSON.replace("900", "400"), None, ["falling one way", "the other way"]),
+        (FED_BACK, "Stands with damping and feedback\ncritical delay 0.",
+         ["falling one way", "the other way"]),
+    ],
+)  # fmt: skip
+def test_the_figure_says_what_is_drawn(tmp_path, monkeypatch, capsys, command, title, labels):
+    figures = []
+    monkeypatch.setattr("standfast.figures.person.save", lambda figure, *_: figures.append(figure))
+    said(capsys, f"{command} -o {tmp_path / 'a.png'}")
+    (figure,) = figures
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == labels
+    assert figure.axes[0].get_xlabel() == "Forward (m), amplitude arbitrary"
+    above = figure.get_suptitle()
+    assert above.startswith(title) if title else above == ""
+    if title:
+        assert ", delay 0.05 s" in above
+        assert figure.axes[1].get_title().startswith("springs alone: falls, safety factor")

@@ -4,15 +4,14 @@ import argparse
 import contextlib
 import json
 import math
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from standfast.cli.parsing import add_command, made_room, output_file
-from standfast.cli.person_text import fed_back, motion, print_person
+from standfast.cli.person_facts import facts_of, who
+from standfast.cli.person_text import fed_back_in_words, motion, print_person
 from standfast.errors import InputError
 from standfast.parameters import (
-    JOINTS,
     OWN_BODY,
     PARAMETERS,
     SEGMENT_NUMBERS,
@@ -22,8 +21,6 @@ from standfast.parameters import (
 )
 
 FORMATS = (".png", ".svg", ".pdf")
-# An imaginary part below it, relative to the root, is that of a real one.
-REAL = 1e-9
 # Sections of parameters of which an option takes one by its key, as --damping ankle=10.
 KEYED = {
     "damping": "damping",
@@ -80,7 +77,7 @@ def _person(options: argparse.Namespace) -> None:
     if output is not None and output.suffix not in FORMATS:
         raise InputError(f"{output} is not the name of a figure; end it in .png, .svg or .pdf")
     given = _given(options)
-    facts = _facts(given)
+    facts = facts_of(given)
     if output is not None:
         _draw(made_room(output, options.output), given, facts)
     if options.json:
@@ -153,83 +150,6 @@ def _of_options(sentence: str) -> str:
     return sentence
 
 
-def _facts(given: dict[str, Any]) -> dict[str, Any]:
-    """Find everything about the person; what rounding leaves open is None."""
-    from standfast.mechanics.matrices import joint_gravity
-    from standfast.stability.feedback import is_stable
-    from standfast.stability.margins import safety_factor, stiffness_reserve
-    from standfast.stability.modes import frequency_of, growth_rate_of, modes
-    from standfast.stability.springs import critical_stiffness
-
-    person = _who(given)
-    of = (person.body, person.stiffness, person.gravity)
-    alone = joint_gravity(person.body, person.gravity)[0]
-    found = modes(*of)
-    finite = [
-        (float(v), s)
-        for v, s in zip(found.eigenvalues, found.shapes.T, strict=True)
-        if math.isfinite(v)
-    ]
-    return {
-        "given": given,
-        "body": {name: part.tolist() for name, part in person.body._asdict().items()},
-        "stands_by_springs": is_stable(*of),
-        "stiffness": dict(zip(JOINTS, map(float, person.stiffness.joints), strict=True)),
-        "thresholds": dict(zip(JOINTS, critical_stiffness(*of).joints, strict=True)),
-        "thresholds_alone": dict(zip(JOINTS, map(float, alone), strict=True)),
-        "safety_factor": float(safety_factor(*of)),
-        "stiffness_reserve": float(stiffness_reserve(*of)),
-        "modes": [
-            {
-                "eigenvalue": value,
-                "frequency": float(frequency_of(value)),
-                "growth_rate": float(growth_rate_of(value)),
-                "rotations": dict(zip(JOINTS, (shape + 0.0).tolist(), strict=True)),
-            }
-            for value, shape in finite
-        ],
-        **_fed_back(given),
-    }
-
-
-def _who(given: dict[str, Any]) -> Any:
-    from standfast.anthropometry.body import REFERENCE_PEOPLE
-    from standfast.quantities import Person
-
-    reference = {k: REFERENCE_PEOPLE[v] for k, v in given.items() if k == "body_model"}
-    return Person.of({**given, **reference})
-
-
-def _fed_back(given: dict[str, Any]) -> dict[str, Any]:
-    """Find what becomes of the person with damping and feedback, if any is given."""
-    from standfast.mechanics.feedback import Feedback, damping_rows, delay_of, gain_rows
-    from standfast.stability import feedback as delayed
-
-    if not fed_back(given):
-        return {}
-    person = _who(given)
-    proportional, derivative = (gain_rows(given, kind) for kind in ("proportional", "derivative"))
-    late = Feedback(proportional, derivative, delay_of(given))
-    of = (person.body, person.stiffness, person.gravity)
-    more = {"damping": [list(row) for row in damping_rows(given)], "feedback": late}
-
-    def unless_open(function: Callable[..., Any]) -> Any:
-        try:
-            return function(*of, **more)
-        except ArithmeticError:  # rounding leaves it open, or a root is not proven
-            return None
-
-    critical = unless_open(delayed.critical_delay)
-    root = unless_open(delayed.rightmost_root)
-    return {
-        "stands_with_feedback": unless_open(delayed.is_stable),
-        "critical_delay": critical,
-        "delay_margin": None if critical is None else critical - late.delay,
-        "unstable_roots": unless_open(delayed.unstable_roots),
-        "rightmost_root": None if root is None else [root.real, _unless_rounding(root)],
-    }
-
-
 def _draw(path: Path, given: dict[str, Any], facts: dict[str, Any]) -> None:
     from standfast.figures.person import draw_person
 
@@ -237,18 +157,19 @@ def _draw(path: Path, given: dict[str, Any], facts: dict[str, Any]) -> None:
         raise InputError("three rigid joints do not move, so there is nothing to draw")
     (mode, *_) = facts["modes"]
     verb = "stands" if facts["stands_by_springs"] else "falls"
-    alone = " by springs alone" if "critical_delay" in facts else ""
+    title = fed_back_in_words(given, facts)
+    alone = "springs alone: " if title else ""
     draw_person(
         path,
-        _who(given).body,
+        who(given).body,
         given.get("height"),
         rotation=tuple(mode["rotations"].values()),
-        words=(motion(mode), f"{verb}{alone}, safety factor {facts['safety_factor']:.3f}"),
+        falls=mode["eigenvalue"] <= 0.0,
+        title=title.rstrip(".").replace(": ", "\n", 1),
+        words=(
+            f"{alone}{motion(mode)}",
+            f"{alone}{verb}, safety factor {facts['safety_factor']:.3f}",
+        ),
         stiffness=facts["stiffness"],
         thresholds=facts["thresholds"],
     )
-
-
-def _unless_rounding(root: complex) -> float:
-    """Return the imaginary part of a root, or 0 where it is rounding of a real one."""
-    return root.imag if root.imag > REAL * abs(root) else 0.0

@@ -145,7 +145,7 @@ WRONG = [
     ),
     (
         lambda: sf.potential_energy(NOMINAL, STIFF, 9.8, (0, 0, 0)),
-        "gravity is an array of shape (3,); give one number, 0.001 to 1000 m/s², "
+        "gravity is an array of shape (3,); give one number, 0.001 to 200 m/s², "
         "or map over many with jax.vmap",
     ),
     (
@@ -232,7 +232,7 @@ WRONG = [
     ),
     (
         lambda: sf.critical_stiffness(NOMINAL, STIFF, gravity=[9.8, 1.6]),
-        "gravity is an array of shape (2,); give one number, 0.001 to 1000 m/s², "
+        "gravity is an array of shape (2,); give one number, 0.001 to 200 m/s², "
         "or map over many with jax.vmap",
     ),
     (
@@ -245,11 +245,11 @@ WRONG = [
     ),
     (
         lambda: sf.is_stable(NOMINAL, STIFF, gravity=-9.8),
-        "gravity = -9.8 is outside the allowed range, 0.001 to 1000 m/s²",
+        "gravity = -9.8 is outside the allowed range, 0.001 to 200 m/s²",
     ),
     (
         lambda: sf.modes(NOMINAL, STIFF, gravity="earth"),
-        "gravity = 'earth' is text; give a number, 0.001 to 1000 m/s²",
+        "gravity = 'earth' is text; give a number, 0.001 to 200 m/s²",
     ),
     (
         lambda: sf.equal_rotation(NOMINAL, -5.0),
@@ -266,7 +266,8 @@ WRONG = [
     ),
     (
         lambda: sf.Body([6, 15, 50], [0.1, 0.3, 3.0], [40, 40], [0.2, 0.2, 0.4]),
-        "segment_length of the shank = 40 is outside the allowed range, 0.01 to 2 m",
+        "segment_length of the shank = 40 is outside the allowed range, 0.01 to 2 m; 40 looks "
+        "like centimetres, write 0.4",
     ),
     (
         lambda: sf.Body([6, "15", 50], [0.1, 0.3, 3.0], [0.4, 0.4], [0.2, 0.2, 0.4]),

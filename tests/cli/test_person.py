@@ -101,14 +101,20 @@ def test_every_parameter_of_the_table_has_its_option(capsys):
         (PERSON.replace("400", "nan"), "--hip = 'nan' is text; give a number"),
         (PERSON + " --model wintr", "--model = 'wintr' is not a body model; did you mean 'winter'"),
         (PERSON + " --damping ankel=3", "--damping has no key 'ankel'; did you mean 'ankle'?"),
-        (PERSON + " --damping 3", "--damping 3 is not JOINT=NUMBER, as ankle=30"),
+        (PERSON + " --damping 3", "--damping 3: '3' is not JOINT=NUMBER, as ankle=30"),
+        (PERSON + " --damping ankle=3,5", "--damping ankle=3,5: '5' is not JOINT=NUMBER, as ank"),
         (PERSON + " --damping ankle=-3", "--damping ankle = -3 is outside the allowed range"),
         (PERSON + " --delay 100", "--delay = 100 is outside the allowed range, 0 to 10 s; 100 lo"),
         (PERSON + " -o figure.jpg", "figure.jpg is not the name of a figure; end it in .png"),
-        (PERSON + " --segment-mass 5,14,46", "[body] has own segments and height and mass; give"),
+        (PERSON.replace("1.66", "1,66"), "--height = '1,66' is text; give a number, 0.5 to 2.8 m; "
+         "decimals have a point, write 1.66"),
+        (PERSON + " --gravity 981", "--gravity = 981 is outside the allowed range, 0.001 to 200 m/"
+         "s²; 981 looks like cm/s², write 9.81"),
+        (PERSON + " --segment-mass 5,14,46", "--height and --mass beside --segment-mass: give a"),
+        (MEASURED.replace("5.6", "5600"), "--segment-mass shank = 5600 is outside the allowed ran"),
         (MEASURED.replace("46.8", "46.8,1"), "--segment-mass = [5.6, 14.2, 46.8, 1.0] is not 3"),
         (MEASURED.replace("0.22,", "0.52,"), "the centre of mass of the shank lies 0.52 m above"),
-        (MEASURED.replace("--segment-com 0.22,0.235,0.344", ""), "--segment-com.shank is missing;"),
+        (MEASURED.replace("--segment-com 0.22,0.235,0.344", ""), "--segment-com is missing; meas"),
         (PERSON.replace("900", "inf").replace("1500", "inf").replace("400", "inf") + " -o a.png",
          "three rigid joints do not move, so there is nothing to draw"),
     ],
@@ -159,6 +165,14 @@ def test_what_is_lost_at_the_critical_delay_is_its_crossing(capsys):
     assert found["critical_frequency"] == pytest.approx(omega / math.tau, rel=1e-12)
     text = said(capsys, FED_BACK)
     assert f"a sway at {omega / math.tau:.3g} Hz begins to grow.\n" in text  # it does not ring
+
+
+def test_joints_of_one_option_may_stand_together(capsys):
+    apart = " --damping ankle=30 --damping knee=20 --damping hip=10 --proportional ankle=500"
+    found = json.loads(said(capsys, PERSON + apart + " --json"))
+    together = " --damping ankle=30,knee=20,hip=10 --proportional ankle=500"
+    assert json.loads(said(capsys, PERSON + together + " --json")) == found
+    assert found["given"]["hip_damping"] == 10.0
 
 
 def test_a_delay_without_gains_does_nothing(capsys):

@@ -163,6 +163,25 @@ def test_a_body_that_nobody_has_is_refused():
         assert sentence in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("changes", "hint"),
+    [
+        ({"segment_mass": [5600, 14200, 46800]}, "5600 looks like grams, write 5.6"),
+        ({"segment_length": [38.5, 40.5]}, "38.5 looks like centimetres, write 0.385"),
+        ({"segment_length": [385, 405]}, "385 looks like millimetres, write 0.385"),
+        ({"segment_com": [22, 23.5, 34.4]}, "22 looks like centimetres, write 0.22"),
+        ({"segment_com": [190, 235, 344]}, "190 looks like millimetres, write 0.19"),
+        ({"segment_inertia": [850, 2400, 27200]}, "2400 looks like kg·cm², write 0.24"),
+        ({"segment_inertia": [850, 0.24, 2.72]}, "mass; in kg·cm²? write 0.085"),
+        ({"segment_mass": ["5,6", 14.2, 46.8]}, "decimals have a point, write 5.6"),
+    ],
+)
+def test_a_slip_of_units_is_guessed(changes, hint):
+    with pytest.raises(sf.InputError) as caught:
+        study_of({**MEASURED._asdict(), **changes})
+    assert str(caught.value).endswith(hint)
+
+
 def test_its_limits_are_those_of_the_body():
     planes = list(planes_of(sf.Study.from_toml(STUDY)))
     assert len(planes) == 3

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from standfast.errors import InputError
+
 Command = Callable[[argparse.Namespace], None]
 
 
@@ -61,6 +63,17 @@ def made_room(path: Path, given: str | None) -> Path:
     if given is not None and path != Path(given):
         made_folder(path.parent)
     return path
+
+
+def pairs_of(option: str, text: str, form: str) -> list[tuple[str, str]]:
+    """Read ``a=1,b=2``; ``form`` tells what each is, as ``JOINT=NUMBER, as ankle=30``."""
+    pairs = []
+    for part in text.split(","):
+        name, equals, value = (each.strip() for each in part.partition("="))
+        if not (name and equals and value):
+            raise InputError(f"{option} {text}: {part!r} is not {form}")
+        pairs.append((name, value))
+    return pairs
 
 
 def add_format_option(parser: argparse.ArgumentParser, of_what: str = "") -> None:

@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from standfast.cli.parsing import add_command, made_room, output_file
+from standfast.cli.parsing import add_command, made_room, output_file, pairs_of
 from standfast.cli.person_facts import facts_of, who
 from standfast.cli.person_text import fed_back_in_words, motion, print_person
 from standfast.errors import InputError
@@ -46,13 +46,13 @@ def add(commands: Any) -> None:
         segments = ", ".join(PARAMETERS[name].key.replace("_", " ") for name in names)
         words = f"measured: {row.meaning} ({segments}), {row.unit}; instead of height and mass"
         metavar = ",".join("X" for _ in names)
-        parser.add_argument(f"--{part.replace('_', '-')}", metavar=metavar, help=words)
+        parser.add_argument(_option(row), metavar=metavar, help=words)
     for section, option in KEYED.items():
         rows = [row for row in PARAMETERS.values() if row.section == section]
         keys = ", ".join(row.key for row in rows[:3]) + (" and so on" if len(rows) > 3 else "")
         kind = option if option == "damping" else f"{option} gain"
         words = f"{kind} of {keys}, {rows[0].unit}; repeatable"
-        metavar = "JOINT=X"
+        metavar = "JOINT=X,…"
         parser.add_argument(f"--{option}", action="append", default=[], metavar=metavar, help=words)
     words = "draw it too (.png, .svg or .pdf; NAME/ is a folder)"
     parser.add_argument("-o", "--output", metavar="FIGURE.png", help=words)
@@ -60,8 +60,8 @@ def add(commands: Any) -> None:
 
 
 def _option(row: Parameter) -> str:
-    """Return the option of a parameter: its key in a study."""
-    return f"--{row.key.replace('_', '-')}"
+    """Return the option of a parameter: its key in a study, or the part of a body that it is."""
+    return f"--{(row.key or row.name).replace('_', '-')}"
 
 
 def _help(row: Parameter) -> str:
@@ -103,15 +103,28 @@ def _given(options: argparse.Namespace) -> dict[str, Any]:
             _put(content, "body", part, [_plain(number) for number in text.split(",")])
     for section, option in KEYED.items():
         for text in getattr(options, option):
-            key, equals, number = text.partition("=")
-            if not equals:
-                raise InputError(f"--{option} {text} is not JOINT=NUMBER, as ankle=30")
-            _put(content, section, key, _plain(number))
-    content.setdefault("body", {})
+            for key, number in pairs_of(f"--{option}", text, "JOINT=NUMBER, as ankle=30"):
+                _put(content, section, key, _plain(number))
+    _check_segments(content.setdefault("body", {}))
     try:
         return checked_parameters(content)
     except InputError as error:
         raise InputError(_of_options(str(error))) from None
+
+
+def _check_segments(body: dict[str, Any]) -> None:
+    """Refuse some segments alone, and segments beside what others are scaled from."""
+    every = [_option(row) for row in SEGMENT_PARAMETERS.values()]
+    given = [_option(row) for row in SEGMENT_PARAMETERS.values() if row.name in body]
+    beside = [f"--{key}" for key in body if key not in SEGMENT_PARAMETERS]
+    if given and beside:
+        raise InputError(
+            f"{' and '.join(beside)} beside {' and '.join(given)}: give a person's measured "
+            f"segments ({', '.join(every)}), or height, mass and model, from which they are scaled"
+        )
+    if given and len(given) < len(every):
+        missing = next(option for option in every if option not in given)
+        raise InputError(f"{missing} is missing; measured segments are {', '.join(every)}, all")
 
 
 def _put(content: dict[str, Any], section: str, key: str, value: Any) -> None:
@@ -133,8 +146,9 @@ def _of_options(sentence: str) -> str:
     for section, option in KEYED.items():
         if sentence.startswith(f"[{section}]"):
             return sentence.replace(f"[{section}]", f"--{option}", 1)
-    for part in SEGMENT_NUMBERS:
-        sentence = sentence.replace(f"body.{part}", f"--{part.replace('_', '-')}")
+    for part, row in SEGMENT_PARAMETERS.items():
+        sentence = sentence.replace(f"body.{part}.", f"{_option(row)} ")
+        sentence = sentence.replace(f"body.{part}", _option(row))
     sentence = sentence.removeprefix("[body]: ")
     if sentence.startswith("body needs"):
         return sentence.replace("body needs mass or bmi, one of them", "give --mass or --bmi")

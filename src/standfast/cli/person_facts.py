@@ -82,7 +82,10 @@ def _fed_back(given: dict[str, Any]) -> dict[str, Any]:
     critical = unless_open(delayed.critical_delay)
     lost = None
     if critical and critical < PARAMETERS["feedback_delay"].highest:
-        crossings = delayed.delay_crossings(*of, **more, longest=critical * (1.0 + REAL))
+        slightly_later = critical * (1.0 + REAL)
+        crossings = delayed.delay_crossings(
+            *of, damping=damping_rows(given), feedback=late, longest=slightly_later
+        )
         lost = min(crossings, key=lambda crossing: abs(crossing[0] - critical))[1] / math.tau
     root = unless_open(delayed.rightmost_root)
     return {

@@ -86,6 +86,21 @@ def test_it_may_be_given_in_three_ways():
     assert study.difference(other) == "upper_body_com: 0.345 there, 0.344 here"
 
 
+def test_a_difference_of_bodies_is_short():
+    study, scaled = study_of(MEASURED), study_of({"height": 1.66, "mass": 68})
+    assert study.difference(scaled) == (
+        "body: scaled from height and mass there, own segments here"
+    )
+    assert scaled.difference(study) == (
+        "body: own segments there, scaled from height and mass here"
+    )
+    grown = [1.01 * part for part in MEASURED[:3]]
+    other = study_of(sf.Body(*grown, MEASURED.segment_com))
+    assert study.difference(other) == (
+        "body: other segments there (shank_mass, thigh_mass, … of 8 numbers)"
+    )
+
+
 def test_a_segment_may_vary_and_stands_in_the_file(tmp_path):
     body = {**MEASURED._asdict(), "segment_mass": [5.6, 14.2, {"start": 40, "stop": 50, "num": 5}]}
     study = study_of(body, output={"quantities": ["critical_ankle_stiffness"]})

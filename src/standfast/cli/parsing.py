@@ -9,6 +9,8 @@ from typing import Any
 
 from standfast.errors import InputError
 
+# Endings of what standfast writes.
+FILES = {".csv", ".h5", ".json", ".md", ".pdf", ".png", ".svg", ".toml", ".xlsx"}
 Command = Callable[[argparse.Namespace], None]
 
 
@@ -37,8 +39,19 @@ def add_folder_option(
 ) -> None:
     """Declare the folder that results go to."""
     parser.add_argument(
-        "-o", "--output", type=Path, default=Path(default), metavar="FOLDER", help=words
+        "-o", "--output", type=_folder, default=Path(default), metavar="FOLDER", help=words
     )
+
+
+def _folder(text: str) -> Path:
+    """Read a folder; one that is not there and is named like a file is meant as a file."""
+    path = Path(text)
+    if path.suffix in FILES and not text.endswith(os.sep) and not path.is_dir():
+        raise argparse.ArgumentTypeError(
+            f"{text} looks like a file, and several are written; give a folder for them, as "
+            f"{path.with_suffix('')}, or {text}/ if it is meant"
+        )
+    return path
 
 
 def add_file_option(parser: argparse.ArgumentParser, kind: str, default: str) -> None:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from standfast.anthropometry.tables import DE_LEVA, WINTER, SegmentRow, upper_body
-from standfast.errors import InputError
+from standfast.errors import InputError, says_its_arguments
 from standfast.numerics.arrays import Array, Scalar, namespace
 from standfast.parameters import (
     OWN_BODY,
@@ -59,6 +59,7 @@ class Body(_BodyFields):
 
     __slots__ = ()
 
+    @says_its_arguments("from height and mass it is Body.from_height_mass(height, mass)")
     def __new__(
         cls, segment_mass: Any, segment_inertia: Any, segment_length: Any, segment_com: Any
     ) -> "Body":
@@ -87,6 +88,7 @@ class Body(_BodyFields):
         return REFERENCE_PEOPLE["edwards2007"].body
 
     @classmethod
+    @says_its_arguments()
     def from_height_mass(cls, height: float, mass: float, model: str = "winter") -> "Body":
         """Return a person of ``height`` (m) and ``mass`` (kg) with the proportions of ``model``.
 

@@ -4,6 +4,7 @@ import json
 import math
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -182,6 +183,62 @@ def test_a_delay_without_gains_does_nothing(capsys):
     assert "feedback as given" not in text
     assert "Stands with damping.\n" in said(capsys, PERSON + " --damping ankle=20")
     assert "the delay does nothing" not in said(capsys, FED_BACK)
+
+
+STUDY = """
+gravity = 9.81
+[body]
+height = 1.66
+mass = 68
+[stiffness]
+ankle = [500, 900]
+knee = 1500
+hip = 400
+[damping]
+hip = 20
+[feedback]
+delay = { start = 0, stop = 0.1, num = 3 }
+[feedback.proportional]
+ankle = [100, 200]
+"""
+
+
+def test_a_study_gives_what_the_options_leave_open(tmp_path, capsys):
+    path = tmp_path / "a.toml"
+    path.write_text(STUDY)
+    said_of = "--ankle 900 --proportional ankle=150 --delay 0.05 --json"
+    found = json.loads(said(capsys, f"person {path} {said_of}"))
+    options = f"{PERSON} --gravity 9.81 --damping hip=20 {said_of}"
+    wanted = json.loads(said(capsys, options))
+    assert found == wanted
+    other = json.loads(said(capsys, f"person {path} {said_of} --knee 1600 --bmi 24"))
+    assert other["given"]["knee_stiffness"] == 1600.0
+    assert "mass" not in other["given"]
+    message = said(capsys, f"person {path}", code=2)
+    assert message == (
+        f"standfast: {path} varies what one person has once; add --ankle X --delay X "
+        "--proportional ankle=X\n"
+    )
+    # measured segments of the options take the place of the study's height and mass
+    measured = MEASURED.removeprefix("person ")
+    given = json.loads(said(capsys, f"person {path} {said_of} {measured}"))["given"]
+    assert given["shank_mass"] == 5.6
+    assert "height" not in given
+
+
+def test_a_study_may_give_measured_segments(tmp_path, capsys):
+    path = Path(__file__).parents[2] / "studies" / "own-body.toml"
+    springs = "--ankle 900 --knee 1500 --hip 400"
+    assert said(capsys, f"person {path} {springs}") == said(capsys, MEASURED)
+    heavier = said(capsys, f"person {path} {springs} --segment-mass 5.6,14.2,48 --json")
+    assert json.loads(heavier)["body"]["segment_mass"] == [5.6, 14.2, 48.0]
+    message = said(capsys, f"person {path} {springs} --height 1.7", code=2)
+    assert "--height beside --segment-mass and" in message
+    varying = tmp_path / "b.toml"
+    text = path.read_text(encoding="utf-8").replace("14.2, 46.8", "[13, 14], [46, 47]")
+    varying.write_text(text, encoding="utf-8")
+    message = said(capsys, f"person {varying} {springs}", code=2)
+    assert message.endswith("once; add --segment-mass X,X,X\n")
 
 
 def test_it_needs_neither_jax_nor_matplotlib():

@@ -4,7 +4,6 @@ import argparse
 import contextlib
 import io
 import os
-import re
 import sys
 from collections.abc import Sequence
 from typing import Any, NoReturn
@@ -22,13 +21,11 @@ from standfast.cli import (
 )
 from standfast.cli.compile_cache import compiled_programs_kept
 from standfast.cli.first_look import look_first
-from standfast.cli.parsing import StoppedError
+from standfast.cli.parsing import BY_COMMAS, StoppedError, is_of_a_list
 from standfast.cli.printing import visible, visible_output
 from standfast.errors import InputError, nearest_name
 from standfast.version import __version__
 
-# With the comma that a list with blanks leaves at it.
-NUMBER = re.compile(r",?[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?,?")
 DONE, FAILED, WRONG_INPUT = 0, 1, 2
 
 
@@ -68,8 +65,8 @@ class _Parser(argparse.ArgumentParser):
 
     def _likely(self, unknown: Sequence[str]) -> str:
         """Guess what was meant by arguments that are not known."""
-        if all(NUMBER.fullmatch(word) for word in unknown):
-            return "; separate the numbers of an option by commas, as 5.6,14.2,46.8"
+        if all(map(is_of_a_list, unknown)):
+            return f"; {BY_COMMAS}"
         options = (word.partition("=")[0] for word in unknown if word.startswith("--"))
         return next(
             filter(None, (nearest_name(o, self._option_string_actions) for o in options)), ""

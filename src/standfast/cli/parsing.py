@@ -3,6 +3,7 @@
 import argparse
 import errno
 import os
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,9 @@ from standfast.errors import InputError
 
 # Endings of what standfast writes.
 FILES = {".csv", ".h5", ".json", ".md", ".pdf", ".png", ".svg", ".toml", ".xlsx"}
+BY_COMMAS = "separate the numbers of an option by commas, as 5.6,14.2,46.8"
+# With the comma that a list with blanks leaves at it.
+NUMBER = re.compile(r",?[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?,?")
 Command = Callable[[argparse.Namespace], None]
 
 
@@ -76,6 +80,11 @@ def made_room(path: Path, given: str | None) -> Path:
     if given is not None and path != Path(given):
         made_folder(path.parent)
     return path
+
+
+def is_of_a_list(word: str) -> bool:
+    """Return whether a word is a number of a list that was written with blanks."""
+    return NUMBER.fullmatch(word) is not None
 
 
 def pairs_of(option: str, text: str, form: str) -> list[tuple[str, str]]:

@@ -7,7 +7,14 @@ import math
 from pathlib import Path
 from typing import Any
 
-from standfast.cli.parsing import add_command, made_room, output_file, pairs_of
+from standfast.cli.parsing import (
+    BY_COMMAS,
+    add_command,
+    is_of_a_list,
+    made_room,
+    output_file,
+    pairs_of,
+)
 from standfast.cli.person_facts import facts_of, who
 from standfast.cli.person_text import fed_back_in_words, motion, print_person
 from standfast.errors import InputError
@@ -37,6 +44,8 @@ def add(commands: Any) -> None:
         "verdict, thresholds, margins and modes of one person",
         "person --height 1.66 --mass 68 --ankle 900 --knee 1500 --hip 400",
     )
+    words = "a study, whose fixed numbers are taken where no option gives another"
+    parser.add_argument("start", nargs="?", metavar="STUDY.toml", help=words)
     for row in PARAMETERS.values():
         if row.name not in OWN_BODY and row.section not in KEYED:
             metavar = "MODEL" if row.choices else "X"
@@ -105,11 +114,62 @@ def _given(options: argparse.Namespace) -> dict[str, Any]:
         for text in getattr(options, option):
             for key, number in pairs_of(f"--{option}", text, "JOINT=NUMBER, as ankle=30"):
                 _put(content, section, key, _plain(number))
-    _check_segments(content.setdefault("body", {}))
+    content.setdefault("body", {})
+    if options.start is not None:
+        if is_of_a_list(options.start):
+            raise InputError(f"{options.start} is not the name of a study; {BY_COMMAS}")
+        _fill(content, Path(options.start))
+    _check_segments(content["body"])
     try:
         return checked_parameters(content)
     except InputError as error:
         raise InputError(_of_options(str(error))) from None
+
+
+def _fill(content: dict[str, Any], path: Path) -> None:
+    """Take from a study what the options leave open; refuse what varies in it."""
+    from standfast.study.study import Study
+
+    study, body = Study.from_toml(path), content["body"]
+    measured = not body.keys().isdisjoint(SEGMENT_PARAMETERS)
+    scaled = measured and study.parameters.keys().isdisjoint(OWN_BODY)
+    chosen = {key for sizes in ("mass", "bmi") if sizes in body for key in ("mass", "bmi")}
+    chosen |= body.keys()
+    vary: list[str] = []
+    for name, value in study.parameters.items():
+        row = PARAMETERS[name]
+        part = row.section.removeprefix("body.") if name in OWN_BODY else row.key
+        of_body = row.section.partition(".")[0] == "body"
+        if of_body and (scaled or part in chosen):
+            continue
+        if not of_body and _has(content, row.section, row.key):
+            continue
+        if isinstance(value, float | str):
+            _put(content, row.section, row.key, value)
+        else:
+            vary.append(_as_option(row))
+    if vary:
+        raise InputError(
+            f"{path} varies what one person has once; add {' '.join(dict.fromkeys(vary))}"
+        )
+
+
+def _as_option(row: Parameter) -> str:
+    """Return how a parameter is given as an option."""
+    if row.section in KEYED:
+        return f"--{KEYED[row.section]} {row.key}=X"
+    if row.name in OWN_BODY:
+        part = row.section.removeprefix("body.")
+        commas = ",".join("X" for _ in SEGMENT_NUMBERS[part])
+        return f"{_option(SEGMENT_PARAMETERS[part])} {commas}"
+    return f"{_option(row)} X"
+
+
+def _has(content: dict[str, Any], section: str, key: str) -> bool:
+    table = content
+    for name in section.split(".") if section else ():
+        table = table.get(name, {})
+    return key in table
 
 
 def _check_segments(body: dict[str, Any]) -> None:

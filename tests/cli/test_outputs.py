@@ -3,7 +3,7 @@
 import pytest
 
 from standfast.cli.app import main
-from standfast.cli.parsing import _folder, output_file
+from standfast.cli.parsing import output_file, output_folder
 
 STUDY = """
 [body]
@@ -76,5 +76,5 @@ def test_a_folder_is_not_named_like_a_file(place, capsys, command):
     assert "mine.csv looks like a file, and several are written" in capsys.readouterr().err
     assert not (place / "mine.csv").exists()
     (place / "there.csv").mkdir()
-    assert str(_folder("there.csv")) == "there.csv"
-    assert str(_folder("new.csv/")) == "new.csv"
+    assert str(output_folder("there.csv")) == "there.csv"
+    assert str(output_folder("new.csv/")) == "new.csv"

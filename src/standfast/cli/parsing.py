@@ -43,11 +43,11 @@ def add_folder_option(
 ) -> None:
     """Declare the folder that results go to."""
     parser.add_argument(
-        "-o", "--output", type=_folder, default=Path(default), metavar="FOLDER", help=words
+        "-o", "--output", type=output_folder, default=Path(default), metavar="FOLDER", help=words
     )
 
 
-def _folder(text: str) -> Path:
+def output_folder(text: str) -> Path:
     """Read a folder; one that is not there and is named like a file is meant as a file."""
     path = Path(text)
     if path.suffix in FILES and not text.endswith(os.sep) and not path.is_dir():

@@ -81,8 +81,9 @@ def _fed_back(given: dict[str, Any]) -> dict[str, Any]:
 
     critical = unless_open(delayed.critical_delay)
     lost = None
-    if critical and critical < PARAMETERS["feedback_delay"].highest:
-        slightly_later = critical * (1.0 + REAL)
+    longest = PARAMETERS["feedback_delay"].highest
+    if critical and critical < longest:
+        slightly_later = min(critical * (1.0 + REAL), longest)
         crossings = delayed.delay_crossings(
             *of, damping=damping_rows(given), feedback=late, longest=slightly_later
         )

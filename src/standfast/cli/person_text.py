@@ -130,17 +130,13 @@ def fed_back_in_words(given: Mapping[str, Any], facts: dict[str, Any]) -> str:
 
 
 def _lost(given: Mapping[str, Any], facts: dict[str, Any]) -> str:
-    """Say which sway is lost at the critical delay, and whether it is that of an undamped joint."""
+    """Say which sway is lost at the critical delay, and what may be behind it."""
     frequency = facts["critical_frequency"]
     if frequency is None:
         return ""
     text = f"\nAt the critical delay a sway at {frequency:.3g} Hz begins to grow"
-    free = [
-        joint
-        for joint, name in zip(JOINTS, DAMPINGS, strict=True)
-        if not given.get(name) and math.isfinite(facts["stiffness"][joint])
-    ]
-    if frequency > RINGING and free:
+    free = [joint for joint in JOINTS if math.isfinite(facts["stiffness"][joint])]
+    if frequency > RINGING and not any(given.get(name) for name in DAMPINGS):
         text += f"; stiff joints without damping ring (--damping {'=…,'.join(free)}=…)"
     return f"{text}."
 

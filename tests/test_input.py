@@ -1,5 +1,6 @@
 """What a person gets who gives a wrong value: one sentence with name, value and allowed range."""
 
+import inspect
 from decimal import Decimal
 
 import numpy as np
@@ -133,11 +134,13 @@ WRONG = [
     (lambda: sf.sweep({}, "a.h5", part=3), "part = 3 is not a share; give (i, N)"),
     (
         lambda: sf.inertia_matrix(None),
-        "body = None is not a Body; make one with Body.from_height_mass or Body.edwards2007",
+        "body = None is not a Body; make one with Body.from_height_mass or Body.edwards2007, "
+        "or of measured segments with Body(segment_mass=…, …)",
     ),
     (
         lambda: sf.frequency(-4.0, STIFF),
-        "body = -4.0 is not a Body; make one with Body.from_height_mass or Body.edwards2007",
+        "body = -4.0 is not a Body; make one with Body.from_height_mass or Body.edwards2007, "
+        "or of measured segments with Body(segment_mass=…, …)",
     ),
     (
         lambda: sf.kinetic_energy(NOMINAL, (0.1, 0.2), (0, 0, 0)),
@@ -145,7 +148,7 @@ WRONG = [
     ),
     (
         lambda: sf.potential_energy(NOMINAL, STIFF, 9.8, (0, 0, 0)),
-        "gravity is an array of shape (3,); give one number, 0.001 to 1000 m/s², "
+        "gravity is an array of shape (3,); give one number, 0.001 to 200 m/s², "
         "or map over many with jax.vmap",
     ),
     (
@@ -228,11 +231,11 @@ WRONG = [
     (
         lambda: sf.safety_factor("edwards2007", STIFF),
         "body = 'edwards2007' is not a Body; make one with Body.from_height_mass or "
-        "Body.edwards2007",
+        "Body.edwards2007, or of measured segments with Body(segment_mass=…, …)",
     ),
     (
         lambda: sf.critical_stiffness(NOMINAL, STIFF, gravity=[9.8, 1.6]),
-        "gravity is an array of shape (2,); give one number, 0.001 to 1000 m/s², "
+        "gravity is an array of shape (2,); give one number, 0.001 to 200 m/s², "
         "or map over many with jax.vmap",
     ),
     (
@@ -245,11 +248,11 @@ WRONG = [
     ),
     (
         lambda: sf.is_stable(NOMINAL, STIFF, gravity=-9.8),
-        "gravity = -9.8 is outside the allowed range, 0.001 to 1000 m/s²",
+        "gravity = -9.8 is outside the allowed range, 0.001 to 200 m/s²",
     ),
     (
         lambda: sf.modes(NOMINAL, STIFF, gravity="earth"),
-        "gravity = 'earth' is text; give a number, 0.001 to 1000 m/s²",
+        "gravity = 'earth' is text; give a number, 0.001 to 200 m/s²",
     ),
     (
         lambda: sf.equal_rotation(NOMINAL, -5.0),
@@ -266,7 +269,8 @@ WRONG = [
     ),
     (
         lambda: sf.Body([6, 15, 50], [0.1, 0.3, 3.0], [40, 40], [0.2, 0.2, 0.4]),
-        "segment_length of the shank = 40 is outside the allowed range, 0.01 to 2 m",
+        "segment_length of the shank = 40 is outside the allowed range, 0.01 to 2 m; 40 looks "
+        "like centimetres, write 0.4",
     ),
     (
         lambda: sf.Body([6, "15", 50], [0.1, 0.3, 3.0], [0.4, 0.4], [0.2, 0.2, 0.4]),
@@ -284,3 +288,45 @@ def test_one_sentence(call, sentence):
 
 def test_numbers_of_numpy_are_numbers():
     assert sf.Stiffness(np.float64(950), np.int64(2000), np.array(738.0)) == STIFF
+
+
+IT_TAKES = "(it takes segment_mass, segment_inertia, segment_length, segment_com); from height and "
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: sf.Body(mass=68, height=1.66), "Body has no 'mass'; did you mean 'segment_mass'?"
+         f" {IT_TAKES}mass it is Body.from_height_mass(height, mass)"),
+        (lambda: sf.Body((1, 2, 3), (1, 2, 3), segment_com=(1, 2, 3)), "Body lacks segment_length"
+         f" {IT_TAKES}mass it is Body.from_height_mass(height, mass)"),
+        (lambda: sf.Body.from_height_mass(1.7), "Body.from_height_mass lacks mass (it takes height"
+         ", mass, model)"),
+        (lambda: sf.Stiffness(900, 400), "Stiffness lacks hip (it takes ankle, knee, hip, ankle_kn"
+         "ee, knee_hip, ankle_hip); a rigid joint is math.inf"),
+        (lambda: sf.Stiffness(1, 2, 3, ankle=1), "Stiffness has too many arguments, or one twice ("
+         "it takes ankle, knee, hip, ankle_knee, knee_hip, ankle_hip); a rigid joint is math.inf"),
+        (lambda: sf.critical_delay(NOMINAL, STIFF), "critical_delay lacks feedback (it takes body,"
+         " stiffness, gravity, damping, feedback); of feedback write feedback=Feedback(proportional"
+         "=…, derivative=…, delay=…)"),
+        (lambda: sf.is_stable(NOMINAL), "is_stable lacks stiffness (it takes body, stiffness, grav"
+         "ity, damping, feedback)"),
+    ],
+)  # fmt: skip
+def test_an_argument_that_is_not_there_gets_its_sentence(call, sentence):
+    with pytest.raises(sf.InputError) as caught:
+        call()
+    assert str(caught.value) == sentence
+
+
+def test_signatures_and_errors_from_within_stay_as_they_are(monkeypatch):
+    assert list(inspect.signature(sf.Body).parameters) == list(sf.Body._fields)
+    feedback = inspect.signature(sf.critical_delay).parameters["feedback"]
+    assert feedback.default is inspect.Parameter.empty
+
+    def fails(*_):
+        raise TypeError("of the inside")
+
+    monkeypatch.setattr("standfast.mechanics.joints.checked_leaf", fails)
+    with pytest.raises(TypeError, match="of the inside"):
+        sf.Stiffness(1.0, 2.0, 3.0)

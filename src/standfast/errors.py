@@ -1,7 +1,13 @@
 """The one error for what a user gave, and the nearest right name for its message."""
 
 import difflib
-from collections.abc import Iterable
+import functools
+import inspect
+from collections.abc import Callable, Iterable
+from typing import Any, ParamSpec, TypeVar
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 
 class InputError(ValueError):
@@ -34,3 +40,49 @@ def shortened(given: object) -> str:
     """Return how Python writes a value, cut so that the message that refuses it is one line."""
     text = repr(given)
     return text if len(text) <= 60 else f"{text[:57]}…"
+
+
+def says_its_arguments(hint: str = "") -> Callable[[Callable[P, T]], Callable[P, T]]:
+    """Let a function say in a sentence, with a hint, which argument it lacks or does not have.
+
+    Its signature stays as it is, for type checkers and ``help``, and a right call costs no check:
+    the arguments are looked at once Python has refused them.
+    """
+
+    def of(function: Callable[P, T]) -> Callable[P, T]:
+        @functools.wraps(function)
+        def called(*given: P.args, **named: P.kwargs) -> T:
+            try:
+                return function(*given, **named)
+            except TypeError:
+                if wrong := _wrong_arguments(function, given, named):
+                    raise InputError(f"{wrong}{hint and '; '}{hint}") from None
+                raise
+
+        return called
+
+    return of
+
+
+def _wrong_arguments(
+    function: Callable[..., Any], given: tuple[Any, ...], named: dict[str, Any]
+) -> str:
+    """Say why a function cannot be called with arguments; empty if it can."""
+    parameters = inspect.signature(function).parameters
+    try:
+        inspect.signature(function).bind(*given, **named)
+    except TypeError:
+        of_class = next(iter(parameters)) == "cls"
+        names = list(parameters)[1 if of_class else 0 :]
+        what = function.__qualname__.removesuffix(".__new__")
+        takes = f"(it takes {', '.join(names)})"
+        for name in named:
+            if name not in names:
+                return f"{what} has no {name!r}{nearest_name(name, names)} {takes}"
+        placed = [row.name for row in parameters.values() if row.kind is not row.KEYWORD_ONLY]
+        there = {*placed[: len(given)], *named}
+        for name, row in parameters.items():
+            if name not in there and row.default is row.empty:
+                return f"{what} lacks {name} {takes}"
+        return f"{what} has too many arguments, or one twice {takes}"
+    return ""

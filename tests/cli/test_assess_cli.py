@@ -196,3 +196,16 @@ def test_a_population_of_the_messy_file_writes_the_table_of_its_strata(messy, mo
         assert sum(int(row["persons_simulated"]) for row in chosen) == 4000
         assert sum(float(row["share_of_persons"]) for row in chosen) == pytest.approx(1.0)
     assert {"other", "unknown"} <= {row["class"] for row in rows if row["stratum"] == "sex"}
+
+
+def test_joints_of_one_option_may_stand_together(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "people.csv").write_text("height,mass\n1.7,70\n")
+    springs = ["assess", "people.csv", "--ankle", "500", "--knee", "inf", "--hip", "900"]
+    apart = ["--proportional", "ankle=0.5mgh", "--proportional", "hip=100", "--damping", "hip=20"]
+    together = ["--proportional", "ankle=0.5mgh,hip=100", "--damping", "hip=20"]
+    assert main([*springs, *apart, "-o", "apart.csv"]) == 0
+    assert main([*springs, *together, "-o", "together.csv"]) == 0
+    assert (tmp_path / "together.csv").read_text() == (tmp_path / "apart.csv").read_text()
+    (row,) = table(tmp_path / "together.csv")
+    assert row["hip_proportional_gain_Nm_rad"] == "100"

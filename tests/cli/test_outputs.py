@@ -3,7 +3,7 @@
 import pytest
 
 from standfast.cli.app import main
-from standfast.cli.parsing import output_file
+from standfast.cli.parsing import output_file, output_folder
 
 STUDY = """
 [body]
@@ -51,3 +51,30 @@ def test_a_new_folder_is_made_and_a_file_is_written_into_it(place, capsys, comma
 def test_a_job_script_makes_no_folder(place, capsys):
     main(["sweep", "one.toml", "-o", "new/", "--job-script", "slurm"])
     assert not (place / "new").exists()
+
+
+def test_a_study_is_no_output(place, capsys):
+    (place / "other.toml").write_text("[body]\n")
+    for name in ("other.toml", "one.toml", "new.toml"):
+        assert main(["sweep", "one.toml", "-o", name]) == 2
+        said = capsys.readouterr().err
+        assert (
+            f"{name} is the name of a study, and the output is HDF5; write -o {name[:-5]}.h5"
+            in said
+        )
+    assert (place / "other.toml").read_text() == "[body]\n"
+    assert not (place / "new.toml.parts").exists()
+
+
+@pytest.mark.parametrize("command", ["thresholds", "plot"])
+def test_a_folder_is_not_named_like_a_file(place, capsys, command):
+    source = "one.toml" if command == "thresholds" else "one.h5"
+    if command == "plot":
+        main(["sweep", "one.toml"])
+    with pytest.raises(SystemExit):
+        main([command, source, "-o", "mine.csv"])
+    assert "mine.csv looks like a file, and several are written" in capsys.readouterr().err
+    assert not (place / "mine.csv").exists()
+    (place / "there.csv").mkdir()
+    assert str(output_folder("there.csv")) == "there.csv"
+    assert str(output_folder("new.csv/")) == "new.csv"

@@ -4,6 +4,7 @@ import json
 import math
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -101,14 +102,20 @@ def test_every_parameter_of_the_table_has_its_option(capsys):
         (PERSON.replace("400", "nan"), "--hip = 'nan' is text; give a number"),
         (PERSON + " --model wintr", "--model = 'wintr' is not a body model; did you mean 'winter'"),
         (PERSON + " --damping ankel=3", "--damping has no key 'ankel'; did you mean 'ankle'?"),
-        (PERSON + " --damping 3", "--damping 3 is not JOINT=NUMBER, as ankle=30"),
+        (PERSON + " --damping 3", "--damping 3: '3' is not JOINT=NUMBER, as ankle=30"),
+        (PERSON + " --damping ankle=3,5", "--damping ankle=3,5: '5' is not JOINT=NUMBER, as ank"),
         (PERSON + " --damping ankle=-3", "--damping ankle = -3 is outside the allowed range"),
         (PERSON + " --delay 100", "--delay = 100 is outside the allowed range, 0 to 10 s; 100 lo"),
         (PERSON + " -o figure.jpg", "figure.jpg is not the name of a figure; end it in .png"),
-        (PERSON + " --segment-mass 5,14,46", "[body] has own segments and height and mass; give"),
+        (PERSON.replace("1.66", "1,66"), "--height = '1,66' is text; give a number, 0.5 to 2.8 m; "
+         "decimals have a point, write 1.66"),
+        (PERSON + " --gravity 981", "--gravity = 981 is outside the allowed range, 0.001 to 200 m/"
+         "s²; 981 looks like cm/s², write 9.81"),
+        (PERSON + " --segment-mass 5,14,46", "--height and --mass beside --segment-mass: give a"),
+        (MEASURED.replace("5.6", "5600"), "--segment-mass shank = 5600 is outside the allowed ran"),
         (MEASURED.replace("46.8", "46.8,1"), "--segment-mass = [5.6, 14.2, 46.8, 1.0] is not 3"),
         (MEASURED.replace("0.22,", "0.52,"), "the centre of mass of the shank lies 0.52 m above"),
-        (MEASURED.replace("--segment-com 0.22,0.235,0.344", ""), "--segment-com.shank is missing;"),
+        (MEASURED.replace("--segment-com 0.22,0.235,0.344", ""), "--segment-com is missing; meas"),
         (PERSON.replace("900", "inf").replace("1500", "inf").replace("400", "inf") + " -o a.png",
          "three rigid joints do not move, so there is nothing to draw"),
     ],
@@ -123,6 +130,115 @@ def test_what_cannot_be_helped_is_said(capsys):
     text = said(capsys, "person --height 1.8 --mass 80 --ankle inf --knee inf --hip inf")
     assert "Stands: every joint is rigid." in text
     assert "none: all three joints are rigid" in text
+
+
+def test_the_verdict_that_was_asked_comes_first(capsys):
+    weak = PERSON.replace("900", "400")
+    lines = said(capsys, weak + " --proportional ankle=600 --derivative ankle=150").split("\n")
+    assert lines[2] == (
+        "Stands with feedback: critical delay 0.008731 s, delay 0 s, margin 0.008731 s."
+    )
+    # a root crosses at 177 rad/s
+    assert lines[3] == (
+        "At the critical delay a sway at 28.2 Hz begins to grow; stiff joints without damping ring "
+        "(--damping ankle=…,knee=…,hip=…)."
+    )
+    assert lines[6].startswith("Falls by springs alone: safety factor 0.5707")
+    assert lines[7] == (
+        "They would just stand with 333.7 N·m/rad more at each joint, or with ankle alone at its "
+        "threshold."
+    )
+
+
+def test_what_is_lost_at_the_critical_delay_is_its_crossing(capsys):
+    found = json.loads(said(capsys, FED_BACK + " --json"))
+    body = sf.Body.from_height_mass(1.8, 24 * 1.8**2, "de-leva-male")
+    gains = np.zeros((3, 3))
+    gains[0, 0], gains[0, 2] = 500.0, 50.0
+    crossings = sf.delay_crossings(
+        body,
+        sf.Stiffness(600, math.inf, 900, ankle_hip=20),
+        9.81,
+        damping=(40, 0, 40),
+        feedback=sf.Feedback(gains, (200, 0, 0)),
+    )
+    omega = next(w for delay, w, _ in crossings if delay == pytest.approx(found["critical_delay"]))
+    assert found["critical_frequency"] == pytest.approx(omega / math.tau, rel=1e-12)
+    text = said(capsys, FED_BACK)
+    assert f"a sway at {omega / math.tau:.3g} Hz begins to grow.\n" in text  # it does not ring
+
+
+def test_joints_of_one_option_may_stand_together(capsys):
+    apart = " --damping ankle=30 --damping knee=20 --damping hip=10 --proportional ankle=500"
+    found = json.loads(said(capsys, PERSON + apart + " --json"))
+    together = " --damping ankle=30,knee=20,hip=10 --proportional ankle=500"
+    assert json.loads(said(capsys, PERSON + together + " --json")) == found
+    assert found["given"]["hip_damping"] == 10.0
+
+
+def test_a_delay_without_gains_does_nothing(capsys):
+    text = said(capsys, PERSON + " --delay 0.1")
+    assert "Stands: safety factor 1.05" in text
+    assert "Without gains (--proportional, --derivative) the delay does nothing." in text
+    assert "feedback as given" not in text
+    assert "Stands with damping.\n" in said(capsys, PERSON + " --damping ankle=20")
+    assert "the delay does nothing" not in said(capsys, FED_BACK)
+
+
+STUDY = """
+gravity = 9.81
+[body]
+height = 1.66
+mass = 68
+[stiffness]
+ankle = [500, 900]
+knee = 1500
+hip = 400
+[damping]
+hip = 20
+[feedback]
+delay = { start = 0, stop = 0.1, num = 3 }
+[feedback.proportional]
+ankle = [100, 200]
+"""
+
+
+def test_a_study_gives_what_the_options_leave_open(tmp_path, capsys):
+    path = tmp_path / "a.toml"
+    path.write_text(STUDY)
+    said_of = "--ankle 900 --proportional ankle=150 --delay 0.05 --json"
+    found = json.loads(said(capsys, f"person {path} {said_of}"))
+    options = f"{PERSON} --gravity 9.81 --damping hip=20 {said_of}"
+    wanted = json.loads(said(capsys, options))
+    assert found == wanted
+    other = json.loads(said(capsys, f"person {path} {said_of} --knee 1600 --bmi 24"))
+    assert other["given"]["knee_stiffness"] == 1600.0
+    assert "mass" not in other["given"]
+    message = said(capsys, f"person {path}", code=2)
+    assert message == (
+        f"standfast: {path} varies what one person has once; add --ankle X --delay X "
+        "--proportional ankle=X\n"
+    )
+    # measured segments of the options take the place of the study's height and mass
+    measured = MEASURED.removeprefix("person ")
+    given = json.loads(said(capsys, f"person {path} {said_of} {measured}"))["given"]
+    assert given["shank_mass"] == 5.6
+    assert "height" not in given
+
+
+def test_a_study_may_give_measured_segments(tmp_path, capsys):
+    path = Path(__file__).parents[2] / "studies" / "own-body.toml"
+    springs = "--ankle 900 --knee 1500 --hip 400"
+    assert said(capsys, f"person {path} {springs}") == said(capsys, MEASURED)
+    heavier = said(capsys, f"person {path} {springs} --segment-mass 5.6,14.2,48 --json")
+    assert json.loads(heavier)["body"]["segment_mass"] == [5.6, 14.2, 48.0]
+    message = said(capsys, f"person {path} {springs} --height 1.7", code=2)
+    assert "--height beside --segment-mass and" in message
+    varying = tmp_path / "b.toml"
+    text = path.read_text(encoding="utf-8").replace("14.2, 46.8", "[13, 14], [46, 47]")
+    varying.write_text(text, encoding="utf-8")
+    message = said(capsys, f"person {varying} {springs}", code=2)
+    assert message.endswith("once; add --segment-mass X,X,X\n")
 
 
 def test_it_needs_neither_jax_nor_matplotlib():
@@ -167,12 +283,35 @@ def test_a_head_is_where_the_height_says(tmp_path, monkeypatch):
     drawn = {}
     monkeypatch.setattr(
         "standfast.figures.person.sway_pattern",
-        lambda ax, lengths, rotation: drawn.update(lengths=lengths, rotation=rotation),
+        lambda ax, lengths, rotation, _: drawn.update(lengths=lengths, rotation=rotation),
     )
     body = sf.Body.from_height_mass(1.8, 80.0)
     joints = dict.fromkeys(JOINTS, 900.0)
     draw_person(tmp_path / "a.png", body, 1.8, rotation=(1.0, 0.5, -3.0), words=("a", "b"),
-                stiffness=joints, thresholds=joints)  # fmt: skip
+                falls=False, title="", stiffness=joints, thresholds=joints)  # fmt: skip
     assert sum(drawn["lengths"]) == pytest.approx(1.8 * 0.961, rel=1e-12)
     # the joint that turns most turns by 10°
     np.testing.assert_allclose(np.degrees(drawn["rotation"]), (10 / 3, 5 / 3, -10), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("command", "title", "labels"),
+    [
+        (PERSON, None, ["one extreme", "the other"]),
+        (PERSON.replace("900", "400"), None, ["falling one way", "the other way"]),
+        (FED_BACK, "Stands with damping and feedback\ncritical delay 0.",
+         ["falling one way", "the other way"]),
+    ],
+)  # fmt: skip
+def test_the_figure_says_what_is_drawn(tmp_path, monkeypatch, capsys, command, title, labels):
+    figures = []
+    monkeypatch.setattr("standfast.figures.person.save", lambda figure, *_: figures.append(figure))
+    said(capsys, f"{command} -o {tmp_path / 'a.png'}")
+    (figure,) = figures
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == labels
+    assert figure.axes[0].get_xlabel() == "Forward (m), amplitude arbitrary"
+    above = figure.get_suptitle()
+    assert above.startswith(title) if title else above == ""
+    if title:
+        assert ", delay 0.05 s" in above
+        assert figure.axes[1].get_title().startswith("springs alone: falls, safety factor")

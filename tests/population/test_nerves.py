@@ -453,7 +453,7 @@ def test_assess_tells_critical_delay_and_margin(tmp_path, monkeypatch, capsys):
 
 @pytest.mark.parametrize(("options", "sentence"), [
     (["--delay", "150"], "150 looks like milliseconds, write 0.15"),
-    (["--proportional", "ankle"], "--proportional ankle is not JOINT=NUMBER, as ankle=1.2mgh"),
+    (["--proportional", "ankle"], "'ankle' is not JOINT=NUMBER, as ankle=1.2mgh"),
     (["--proportional", "ankel=3"], "did you mean 'ankle'?"),
     (["--derivative", "ankle=much"], "'much' is text; give a number"),
 ])  # fmt: skip

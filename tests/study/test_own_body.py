@@ -86,6 +86,21 @@ def test_it_may_be_given_in_three_ways():
     assert study.difference(other) == "upper_body_com: 0.345 there, 0.344 here"
 
 
+def test_a_difference_of_bodies_is_short():
+    study, scaled = study_of(MEASURED), study_of({"height": 1.66, "mass": 68})
+    assert study.difference(scaled) == (
+        "body: scaled from height and mass there, own segments here"
+    )
+    assert scaled.difference(study) == (
+        "body: own segments there, scaled from height and mass here"
+    )
+    grown = [1.01 * part for part in MEASURED[:3]]
+    other = study_of(sf.Body(*grown, MEASURED.segment_com))
+    assert study.difference(other) == (
+        "body: other segments there (shank_mass, thigh_mass, … of 8 numbers)"
+    )
+
+
 def test_a_segment_may_vary_and_stands_in_the_file(tmp_path):
     body = {**MEASURED._asdict(), "segment_mass": [5.6, 14.2, {"start": 40, "stop": 50, "num": 5}]}
     study = study_of(body, output={"quantities": ["critical_ankle_stiffness"]})
@@ -161,6 +176,25 @@ def test_a_body_that_nobody_has_is_refused():
         with pytest.raises(sf.InputError) as caught:
             study_of({**MEASURED._asdict(), **changes})
         assert sentence in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "hint"),
+    [
+        ({"segment_mass": [5600, 14200, 46800]}, "5600 looks like grams, write 5.6"),
+        ({"segment_length": [38.5, 40.5]}, "38.5 looks like centimetres, write 0.385"),
+        ({"segment_length": [385, 405]}, "385 looks like millimetres, write 0.385"),
+        ({"segment_com": [22, 23.5, 34.4]}, "22 looks like centimetres, write 0.22"),
+        ({"segment_com": [190, 235, 344]}, "190 looks like millimetres, write 0.19"),
+        ({"segment_inertia": [850, 2400, 27200]}, "2400 looks like kg·cm², write 0.24"),
+        ({"segment_inertia": [850, 0.24, 2.72]}, "mass; in kg·cm²? write 0.085"),
+        ({"segment_mass": ["5,6", 14.2, 46.8]}, "decimals have a point, write 5.6"),
+    ],
+)
+def test_a_slip_of_units_is_guessed(changes, hint):
+    with pytest.raises(sf.InputError) as caught:
+        study_of({**MEASURED._asdict(), **changes})
+    assert str(caught.value).endswith(hint)
 
 
 def test_its_limits_are_those_of_the_body():

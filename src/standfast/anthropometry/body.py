@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from standfast.anthropometry.tables import DE_LEVA, WINTER, SegmentRow, upper_body
-from standfast.errors import InputError
+from standfast.errors import InputError, says_its_arguments
 from standfast.numerics.arrays import Array, Scalar, namespace
 from standfast.parameters import (
     OWN_BODY,
@@ -59,6 +59,7 @@ class Body(_BodyFields):
 
     __slots__ = ()
 
+    @says_its_arguments("from height and mass it is Body.from_height_mass(height, mass)")
     def __new__(
         cls, segment_mass: Any, segment_inertia: Any, segment_length: Any, segment_com: Any
     ) -> "Body":
@@ -87,6 +88,7 @@ class Body(_BodyFields):
         return REFERENCE_PEOPLE["edwards2007"].body
 
     @classmethod
+    @says_its_arguments()
     def from_height_mass(cls, height: float, mass: float, model: str = "winter") -> "Body":
         """Return a person of ``height`` (m) and ``mass`` (kg) with the proportions of ``model``.
 
@@ -164,13 +166,19 @@ def implausible(given: Mapping[str, float]) -> str | None:
             return (
                 f"the {words} of {mass:g} kg and {inertia:g} kg·m² has a radius of gyration of "
                 f"{gyration:.3g} m, and must be below {length:.3g} m; inertia is about the "
-                "segment's own centre of mass"
+                f"segment's own centre of mass{_in_kg_cm2(inertia, mass, length)}"
             )
     total = math.fsum(given[name] for name in SEGMENT_NUMBERS["segment_mass"])
     row = PARAMETERS["mass"]
     if not row.lowest <= total <= row.highest:
         return f"the segments weigh {total:g} kg together, and a person {row.allowed}"
     return None
+
+
+def _in_kg_cm2(inertia: float, mass: float, length: float) -> str:
+    """Say if an inertia that no segment has would be one's in kg·cm²."""
+    likely = 0.1 * length < math.sqrt(1e-4 * inertia / mass) < length
+    return f"; in kg·cm²? write {1e-4 * inertia:g}" if likely else ""
 
 
 def _checked_segments(name: str, values: Any, count: int) -> Array:

@@ -6,7 +6,7 @@ import io
 import os
 import sys
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from standfast.cli import (
     assess,
@@ -21,9 +21,9 @@ from standfast.cli import (
 )
 from standfast.cli.compile_cache import compiled_programs_kept
 from standfast.cli.first_look import look_first
-from standfast.cli.parsing import StoppedError
+from standfast.cli.parsing import BY_COMMAS, StoppedError, is_of_a_list
 from standfast.cli.printing import visible, visible_output
-from standfast.errors import InputError
+from standfast.errors import InputError, nearest_name
 from standfast.version import __version__
 
 DONE, FAILED, WRONG_INPUT = 0, 1, 2
@@ -54,7 +54,31 @@ def run() -> None:
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser that prints none of the control characters of what it was given."""
+    """A parser that names what is near to a slip, and prints no control characters of it."""
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse, and refuse the rest here, where the usage is that of the command."""
+        found, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            self.error(f"unrecognized arguments: {' '.join(unknown)}{self._likely(unknown)}")
+        return found, unknown
+
+    def _likely(self, unknown: Sequence[str]) -> str:
+        """Guess what was meant by arguments that are not known."""
+        if all(map(is_of_a_list, unknown)):
+            return f"; {BY_COMMAS}"
+        options = (word.partition("=")[0] for word in unknown if word.startswith("--"))
+        return next(
+            filter(None, (nearest_name(o, self._option_string_actions) for o in options)), ""
+        )
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Name the nearest command, which argparse does from Python 3.14 on."""
+        if isinstance(action.choices, dict) and value not in action.choices:
+            near = nearest_name(value, action.choices)
+            names = ", ".join(action.choices)
+            self.error(f"there is no command {value!r}{near} (commands: {names})")
+        super()._check_value(action, value)
 
     def error(self, message: str) -> NoReturn:
         super().error(visible(message))

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from standfast.cli.assess_text import HELP_OF_COLUMNS, print_assessment, summary_of
-from standfast.cli.parsing import add_command, add_file_option, made_room, output_file
+from standfast.cli.parsing import add_command, add_file_option, made_room, output_file, pairs_of
 from standfast.cli.rejected import write_rejected
 from standfast.cli.strata_table import WORDS, rows_of_assessment, write_strata
 from standfast.errors import InputError
@@ -61,7 +61,7 @@ def add(commands: Any) -> None:
         ("--derivative", "derivative gain", "N·m·s/rad"),
     ):
         words = f"{kind} where the file has none, {unit}, or a multiple as 1.2mgh; repeatable"
-        parser.add_argument(option, action="append", default=[], metavar="JOINT=X", help=words)
+        parser.add_argument(option, action="append", default=[], metavar="JOINT=X,…", help=words)
     words = "delay of the feedback where the file has none, s"
     parser.add_argument("--delay", metavar="T", help=words)
     parser.add_argument(
@@ -177,13 +177,11 @@ def _nerves(options: argparse.Namespace) -> "Distributions":
         ("derivative", feedback.setdefault("derivative", {})),
     ):
         for text in getattr(options, option):
-            joint, equals, value = text.partition("=")
-            if not equals:
-                raise InputError(f"--{option} {text} is not JOINT=NUMBER, as ankle=1.2mgh")
-            number = value.removesuffix("mgh")
-            relative_to = "absolute" if number == value else "mgh"
-            law = {"distribution": "fixed", "relative_to": relative_to, "value": _plain(number)}
-            table[joint] = law
+            for joint, value in pairs_of(f"--{option}", text, "JOINT=NUMBER, as ankle=1.2mgh"):
+                number = value.removesuffix("mgh")
+                relative_to = "absolute" if number == value else "mgh"
+                law = {"distribution": "fixed", "relative_to": relative_to, "value": _plain(number)}
+                table[joint] = law
     if options.delay is not None:
         feedback["delay"] = {"distribution": "fixed", "value": _plain(options.delay)}
     return checked_nerves(content)

@@ -3,10 +3,18 @@
 import argparse
 import errno
 import os
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from standfast.errors import InputError
+
+# Endings of what standfast writes.
+FILES = {".csv", ".h5", ".json", ".md", ".pdf", ".png", ".svg", ".toml", ".xlsx"}
+BY_COMMAS = "separate the numbers of an option by commas, as 5.6,14.2,46.8"
+# With the comma that a list with blanks leaves at it.
+NUMBER = re.compile(r",?[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?,?")
 Command = Callable[[argparse.Namespace], None]
 
 
@@ -35,8 +43,19 @@ def add_folder_option(
 ) -> None:
     """Declare the folder that results go to."""
     parser.add_argument(
-        "-o", "--output", type=Path, default=Path(default), metavar="FOLDER", help=words
+        "-o", "--output", type=output_folder, default=Path(default), metavar="FOLDER", help=words
     )
+
+
+def output_folder(text: str) -> Path:
+    """Read a folder; one that is not there and is named like a file is meant as a file."""
+    path = Path(text)
+    if path.suffix in FILES and not text.endswith(os.sep) and not path.is_dir():
+        raise argparse.ArgumentTypeError(
+            f"{text} looks like a file, and several are written; give a folder for them, as "
+            f"{path.with_suffix('')}, or {text}/ if it is meant"
+        )
+    return path
 
 
 def add_file_option(parser: argparse.ArgumentParser, kind: str, default: str) -> None:
@@ -61,6 +80,22 @@ def made_room(path: Path, given: str | None) -> Path:
     if given is not None and path != Path(given):
         made_folder(path.parent)
     return path
+
+
+def is_of_a_list(word: str) -> bool:
+    """Return whether a word is a number of a list that was written with blanks."""
+    return NUMBER.fullmatch(word) is not None
+
+
+def pairs_of(option: str, text: str, form: str) -> list[tuple[str, str]]:
+    """Read ``a=1,b=2``; ``form`` tells what each is, as ``JOINT=NUMBER, as ankle=30``."""
+    pairs = []
+    for part in text.split(","):
+        name, equals, value = (each.strip() for each in part.partition("="))
+        if not (name and equals and value):
+            raise InputError(f"{option} {text}: {part!r} is not {form}")
+        pairs.append((name, value))
+    return pairs
 
 
 def add_format_option(parser: argparse.ArgumentParser, of_what: str = "") -> None:

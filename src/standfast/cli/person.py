@@ -4,15 +4,21 @@ import argparse
 import contextlib
 import json
 import math
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from standfast.cli.parsing import add_command, made_room, output_file
-from standfast.cli.person_text import fed_back, motion, print_person
+from standfast.cli.parsing import (
+    BY_COMMAS,
+    add_command,
+    is_of_a_list,
+    made_room,
+    output_file,
+    pairs_of,
+)
+from standfast.cli.person_facts import facts_of, who
+from standfast.cli.person_text import fed_back_in_words, motion, print_person
 from standfast.errors import InputError
 from standfast.parameters import (
-    JOINTS,
     OWN_BODY,
     PARAMETERS,
     SEGMENT_NUMBERS,
@@ -22,8 +28,6 @@ from standfast.parameters import (
 )
 
 FORMATS = (".png", ".svg", ".pdf")
-# An imaginary part below it, relative to the root, is that of a real one.
-REAL = 1e-9
 # Sections of parameters of which an option takes one by its key, as --damping ankle=10.
 KEYED = {
     "damping": "damping",
@@ -40,6 +44,8 @@ def add(commands: Any) -> None:
         "verdict, thresholds, margins and modes of one person",
         "person --height 1.66 --mass 68 --ankle 900 --knee 1500 --hip 400",
     )
+    words = "a study, whose fixed numbers are taken where no option gives another"
+    parser.add_argument("start", nargs="?", metavar="STUDY.toml", help=words)
     for row in PARAMETERS.values():
         if row.name not in OWN_BODY and row.section not in KEYED:
             metavar = "MODEL" if row.choices else "X"
@@ -49,13 +55,13 @@ def add(commands: Any) -> None:
         segments = ", ".join(PARAMETERS[name].key.replace("_", " ") for name in names)
         words = f"measured: {row.meaning} ({segments}), {row.unit}; instead of height and mass"
         metavar = ",".join("X" for _ in names)
-        parser.add_argument(f"--{part.replace('_', '-')}", metavar=metavar, help=words)
+        parser.add_argument(_option(row), metavar=metavar, help=words)
     for section, option in KEYED.items():
         rows = [row for row in PARAMETERS.values() if row.section == section]
         keys = ", ".join(row.key for row in rows[:3]) + (" and so on" if len(rows) > 3 else "")
         kind = option if option == "damping" else f"{option} gain"
         words = f"{kind} of {keys}, {rows[0].unit}; repeatable"
-        metavar = "JOINT=X"
+        metavar = "JOINT=X,…"
         parser.add_argument(f"--{option}", action="append", default=[], metavar=metavar, help=words)
     words = "draw it too (.png, .svg or .pdf; NAME/ is a folder)"
     parser.add_argument("-o", "--output", metavar="FIGURE.png", help=words)
@@ -63,8 +69,8 @@ def add(commands: Any) -> None:
 
 
 def _option(row: Parameter) -> str:
-    """Return the option of a parameter: its key in a study."""
-    return f"--{row.key.replace('_', '-')}"
+    """Return the option of a parameter: its key in a study, or the part of a body that it is."""
+    return f"--{(row.key or row.name).replace('_', '-')}"
 
 
 def _help(row: Parameter) -> str:
@@ -80,7 +86,7 @@ def _person(options: argparse.Namespace) -> None:
     if output is not None and output.suffix not in FORMATS:
         raise InputError(f"{output} is not the name of a figure; end it in .png, .svg or .pdf")
     given = _given(options)
-    facts = _facts(given)
+    facts = facts_of(given)
     if output is not None:
         _draw(made_room(output, options.output), given, facts)
     if options.json:
@@ -106,15 +112,79 @@ def _given(options: argparse.Namespace) -> dict[str, Any]:
             _put(content, "body", part, [_plain(number) for number in text.split(",")])
     for section, option in KEYED.items():
         for text in getattr(options, option):
-            key, equals, number = text.partition("=")
-            if not equals:
-                raise InputError(f"--{option} {text} is not JOINT=NUMBER, as ankle=30")
-            _put(content, section, key, _plain(number))
+            for key, number in pairs_of(f"--{option}", text, "JOINT=NUMBER, as ankle=30"):
+                _put(content, section, key, _plain(number))
     content.setdefault("body", {})
+    if options.start is not None:
+        if is_of_a_list(options.start):
+            raise InputError(f"{options.start} is not the name of a study; {BY_COMMAS}")
+        _fill(content, Path(options.start))
+    _check_segments(content["body"])
     try:
         return checked_parameters(content)
     except InputError as error:
         raise InputError(_of_options(str(error))) from None
+
+
+def _fill(content: dict[str, Any], path: Path) -> None:
+    """Take from a study what the options leave open; refuse what varies in it."""
+    from standfast.study.study import Study
+
+    study, body = Study.from_toml(path), content["body"]
+    measured = not body.keys().isdisjoint(SEGMENT_PARAMETERS)
+    scaled = measured and study.parameters.keys().isdisjoint(OWN_BODY)
+    chosen = {key for sizes in ("mass", "bmi") if sizes in body for key in ("mass", "bmi")}
+    chosen |= body.keys()
+    vary: list[str] = []
+    for name, value in study.parameters.items():
+        row = PARAMETERS[name]
+        part = row.section.removeprefix("body.") if name in OWN_BODY else row.key
+        of_body = row.section.partition(".")[0] == "body"
+        if of_body and (scaled or part in chosen):
+            continue
+        if not of_body and _has(content, row.section, row.key):
+            continue
+        if isinstance(value, float | str):
+            _put(content, row.section, row.key, value)
+        else:
+            vary.append(_as_option(row))
+    if vary:
+        raise InputError(
+            f"{path} varies what one person has once; add {' '.join(dict.fromkeys(vary))}"
+        )
+
+
+def _as_option(row: Parameter) -> str:
+    """Return how a parameter is given as an option."""
+    if row.section in KEYED:
+        return f"--{KEYED[row.section]} {row.key}=X"
+    if row.name in OWN_BODY:
+        part = row.section.removeprefix("body.")
+        commas = ",".join("X" for _ in SEGMENT_NUMBERS[part])
+        return f"{_option(SEGMENT_PARAMETERS[part])} {commas}"
+    return f"{_option(row)} X"
+
+
+def _has(content: dict[str, Any], section: str, key: str) -> bool:
+    table = content
+    for name in section.split(".") if section else ():
+        table = table.get(name, {})
+    return key in table
+
+
+def _check_segments(body: dict[str, Any]) -> None:
+    """Refuse some segments alone, and segments beside what others are scaled from."""
+    every = [_option(row) for row in SEGMENT_PARAMETERS.values()]
+    given = [_option(row) for row in SEGMENT_PARAMETERS.values() if row.name in body]
+    beside = [f"--{key}" for key in body if key not in SEGMENT_PARAMETERS]
+    if given and beside:
+        raise InputError(
+            f"{' and '.join(beside)} beside {' and '.join(given)}: give a person's measured "
+            f"segments ({', '.join(every)}), or height, mass and model, from which they are scaled"
+        )
+    if given and len(given) < len(every):
+        missing = next(option for option in every if option not in given)
+        raise InputError(f"{missing} is missing; measured segments are {', '.join(every)}, all")
 
 
 def _put(content: dict[str, Any], section: str, key: str, value: Any) -> None:
@@ -136,8 +206,9 @@ def _of_options(sentence: str) -> str:
     for section, option in KEYED.items():
         if sentence.startswith(f"[{section}]"):
             return sentence.replace(f"[{section}]", f"--{option}", 1)
-    for part in SEGMENT_NUMBERS:
-        sentence = sentence.replace(f"body.{part}", f"--{part.replace('_', '-')}")
+    for part, row in SEGMENT_PARAMETERS.items():
+        sentence = sentence.replace(f"body.{part}.", f"{_option(row)} ")
+        sentence = sentence.replace(f"body.{part}", _option(row))
     sentence = sentence.removeprefix("[body]: ")
     if sentence.startswith("body needs"):
         return sentence.replace("body needs mass or bmi, one of them", "give --mass or --bmi")
@@ -153,83 +224,6 @@ def _of_options(sentence: str) -> str:
     return sentence
 
 
-def _facts(given: dict[str, Any]) -> dict[str, Any]:
-    """Find everything about the person; what rounding leaves open is None."""
-    from standfast.mechanics.matrices import joint_gravity
-    from standfast.stability.feedback import is_stable
-    from standfast.stability.margins import safety_factor, stiffness_reserve
-    from standfast.stability.modes import frequency_of, growth_rate_of, modes
-    from standfast.stability.springs import critical_stiffness
-
-    person = _who(given)
-    of = (person.body, person.stiffness, person.gravity)
-    alone = joint_gravity(person.body, person.gravity)[0]
-    found = modes(*of)
-    finite = [
-        (float(v), s)
-        for v, s in zip(found.eigenvalues, found.shapes.T, strict=True)
-        if math.isfinite(v)
-    ]
-    return {
-        "given": given,
-        "body": {name: part.tolist() for name, part in person.body._asdict().items()},
-        "stands_by_springs": is_stable(*of),
-        "stiffness": dict(zip(JOINTS, map(float, person.stiffness.joints), strict=True)),
-        "thresholds": dict(zip(JOINTS, critical_stiffness(*of).joints, strict=True)),
-        "thresholds_alone": dict(zip(JOINTS, map(float, alone), strict=True)),
-        "safety_factor": float(safety_factor(*of)),
-        "stiffness_reserve": float(stiffness_reserve(*of)),
-        "modes": [
-            {
-                "eigenvalue": value,
-                "frequency": float(frequency_of(value)),
-                "growth_rate": float(growth_rate_of(value)),
-                "rotations": dict(zip(JOINTS, (shape + 0.0).tolist(), strict=True)),
-            }
-            for value, shape in finite
-        ],
-        **_fed_back(given),
-    }
-
-
-def _who(given: dict[str, Any]) -> Any:
-    from standfast.anthropometry.body import REFERENCE_PEOPLE
-    from standfast.quantities import Person
-
-    reference = {k: REFERENCE_PEOPLE[v] for k, v in given.items() if k == "body_model"}
-    return Person.of({**given, **reference})
-
-
-def _fed_back(given: dict[str, Any]) -> dict[str, Any]:
-    """Find what becomes of the person with damping and feedback, if any is given."""
-    from standfast.mechanics.feedback import Feedback, damping_rows, delay_of, gain_rows
-    from standfast.stability import feedback as delayed
-
-    if not fed_back(given):
-        return {}
-    person = _who(given)
-    proportional, derivative = (gain_rows(given, kind) for kind in ("proportional", "derivative"))
-    late = Feedback(proportional, derivative, delay_of(given))
-    of = (person.body, person.stiffness, person.gravity)
-    more = {"damping": [list(row) for row in damping_rows(given)], "feedback": late}
-
-    def unless_open(function: Callable[..., Any]) -> Any:
-        try:
-            return function(*of, **more)
-        except ArithmeticError:  # rounding leaves it open, or a root is not proven
-            return None
-
-    critical = unless_open(delayed.critical_delay)
-    root = unless_open(delayed.rightmost_root)
-    return {
-        "stands_with_feedback": unless_open(delayed.is_stable),
-        "critical_delay": critical,
-        "delay_margin": None if critical is None else critical - late.delay,
-        "unstable_roots": unless_open(delayed.unstable_roots),
-        "rightmost_root": None if root is None else [root.real, _unless_rounding(root)],
-    }
-
-
 def _draw(path: Path, given: dict[str, Any], facts: dict[str, Any]) -> None:
     from standfast.figures.person import draw_person
 
@@ -237,18 +231,19 @@ def _draw(path: Path, given: dict[str, Any], facts: dict[str, Any]) -> None:
         raise InputError("three rigid joints do not move, so there is nothing to draw")
     (mode, *_) = facts["modes"]
     verb = "stands" if facts["stands_by_springs"] else "falls"
-    alone = " by springs alone" if "critical_delay" in facts else ""
+    title = fed_back_in_words(given, facts)
+    alone = "springs alone: " if title else ""
     draw_person(
         path,
-        _who(given).body,
+        who(given).body,
         given.get("height"),
         rotation=tuple(mode["rotations"].values()),
-        words=(motion(mode), f"{verb}{alone}, safety factor {facts['safety_factor']:.3f}"),
+        falls=mode["eigenvalue"] <= 0.0,
+        title=title.rstrip(".").replace(": ", "\n", 1),
+        words=(
+            f"{alone}{motion(mode)}",
+            f"{alone}{verb}, safety factor {facts['safety_factor']:.3f}",
+        ),
         stiffness=facts["stiffness"],
         thresholds=facts["thresholds"],
     )
-
-
-def _unless_rounding(root: complex) -> float:
-    """Return the imaginary part of a root, or 0 where it is rounding of a real one."""
-    return root.imag if root.imag > REAL * abs(root) else 0.0

@@ -4,13 +4,29 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from standfast.parameters import COUPLINGS, JOINTS, PARAMETERS, SEGMENT_NUMBERS, STIFFNESS_UNIT
+from standfast.parameters import (
+    COUPLINGS,
+    DAMPINGS,
+    GAINS,
+    JOINTS,
+    PARAMETERS,
+    SEGMENT_NUMBERS,
+    STIFFNESS_UNIT,
+)
+
+# People sway below 1 Hz; what is lost above this (Hz) is a stiff joint that rings.
+RINGING = 3.0
 
 
 def print_person(given: dict[str, Any], facts: dict[str, Any]) -> None:
     """Print who it is, the verdict, each joint, each mode, and what feedback makes of it."""
     print(_in_words(given))
-    print(f"\n{_verdict(facts)}\n")
+    if sentence := fed_back_in_words(given, facts):
+        print(f"\n{sentence}{_lost(given, facts)}\n{_root(facts)}")
+    print(f"\n{_verdict(facts, alone=bool(sentence))}")
+    if not gained(given) and given.get("feedback_delay"):
+        print("Without gains (--proportional, --derivative) the delay does nothing.")
+    print()
     print(f"  {STIFFNESS_UNIT:10}{'stiffness':>12}{'threshold':>12}{'alone':>12}{'to spare':>12}")
     for joint in JOINTS:
         own, threshold, alone = (
@@ -18,15 +34,16 @@ def print_person(given: dict[str, Any], facts: dict[str, Any]) -> None:
         )
         spare = "" if math.isinf(own) and math.isinf(threshold) else _number(own - threshold)
         print(f"  {joint:10}{_number(own):>12}{_number(threshold):>12}{alone:12.4g}{spare:>12}")
-    print("  threshold: the other two as given; alone: the other two rigid")
+    note = "threshold: the other two as given"
+    if math.inf in facts["thresholds"].values():
+        note += " (inf: no stiffness suffices)"
+    print(f"  {note}; alone: the other two rigid")
     print(f"\n  {'mode':10}{'':>24}{'ankle : knee : hip':>24}")
     for number, mode in enumerate(facts["modes"], 1):
         turns = " : ".join(f"{turn:.3g}" for turn in mode["rotations"].values())
         print(f"  {number:<10}{motion(mode):24}{turns:>24}")
     if not facts["modes"]:
         print("  none: all three joints are rigid")
-    if "critical_delay" in facts:
-        print(f"\n{_with_feedback(facts)}")
 
 
 def _in_words(given: dict[str, Any]) -> str:
@@ -45,28 +62,33 @@ def _in_words(given: dict[str, Any]) -> str:
     return "; ".join([who, f"gravity {given['gravity']:g} m/s²", *beside])
 
 
-def _verdict(facts: dict[str, Any]) -> str:
-    """Say whether springs alone hold the person, and by how much."""
+def _verdict(facts: dict[str, Any], *, alone: bool) -> str:
+    """Say whether springs hold the person, and by how much; ``alone``: nerves were spoken of."""
     factor, reserve = facts["safety_factor"], facts["stiffness_reserve"]
-    alone = " by springs alone" if "critical_delay" in facts else ""
-    if facts["stands_by_springs"]:
-        if math.isinf(factor):
-            return f"Stands{alone}: every joint is rigid."
-        return (
-            f"Stands{alone}: safety factor {factor:.4g} (all stiffnesses divided by it, the person "
-            f"just stands);\nevery joint could lose {reserve:.4g} {STIFFNESS_UNIT} at once."
-        )
-    text = (
-        f"Falls{alone}: safety factor {factor:.4g} (all stiffnesses divided by it, the person just "
-        f"stands);\nevery joint must gain {-reserve:.4g} {STIFFNESS_UNIT} at once"
+    stands = facts["stands_by_springs"]
+    text = f"{'Stands' if stands else 'Falls'}{' by springs alone' if alone else ''}"
+    if math.isinf(factor):
+        return f"{text}: every joint is rigid."
+    text += (
+        f": safety factor {factor:.4g} (all stiffnesses divided by it, the person just stands).\n"
     )
-    one_does = any(math.isfinite(threshold) for threshold in facts["thresholds"].values())
-    return f"{text}, or one what it lacks." if one_does else f"{text}; no joint alone suffices."
+    if stands:
+        return f"{text}Each joint could lose {reserve:.4g} {STIFFNESS_UNIT}, all at the same time."
+    text += f"They would just stand with {-reserve:.4g} {STIFFNESS_UNIT} more at each joint"
+    enough = [joint for joint, needed in facts["thresholds"].items() if math.isfinite(needed)]
+    if not enough:
+        return f"{text}; no joint alone suffices."
+    return f"{text}, or with {' or '.join(enough)} alone at its threshold."
 
 
 def fed_back(given: Mapping[str, Any]) -> bool:
     """Return whether damping, a delay or a gain is given, beside springs."""
     return any(_is_of_nerves(name) for name in given)
+
+
+def gained(given: Mapping[str, Any]) -> bool:
+    """Return whether any gain is another number than 0, so that a delay matters."""
+    return any(given.get(name) for name in GAINS)
 
 
 def _is_of_nerves(name: str) -> bool:
@@ -82,21 +104,49 @@ def motion(mode: dict[str, Any]) -> str:
     return f"falls, doubles in {math.log(2.0) / mode['growth_rate']:.3g} s"
 
 
-def _with_feedback(facts: dict[str, Any]) -> str:
-    """Say what damping and feedback change."""
-    verdict = {True: "Stands", False: "Falls", None: "Open within rounding"}
-    text = f"{verdict[facts['stands_with_feedback']]} with damping and feedback as given"
-    critical, margin, root = facts["critical_delay"], facts["delay_margin"], facts["rightmost_root"]
+def fed_back_in_words(given: Mapping[str, Any], facts: dict[str, Any]) -> str:
+    """Say the verdict with damping and feedback; empty where neither changes anything."""
+    damped = any(given.get(name) for name in DAMPINGS)
+    if not (damped or gained(given)):
+        return ""
+    means = " and ".join(
+        name for name, there in (("damping", damped), ("feedback", gained(given))) if there
+    )
+    if facts["stands_with_feedback"] is None:
+        return f"With {means} it is open within rounding."
+    verdict = "Stands" if facts["stands_with_feedback"] else "Falls"
+    text = f"{verdict} with {means}"
+    critical, delay = facts["critical_delay"], given.get("feedback_delay", 0.0)
+    if not gained(given) or critical is None:
+        return f"{text}."
+    if critical == 0.0:
+        return f"{text}: falls without delay already."
     if critical == math.inf:
-        text += "; no delay ends it"
-    elif critical:
-        text += f"; critical delay {critical:.4g} s, margin {margin:.4g} s"
-    elif critical == 0.0:
-        text += "; falls without delay already"
-    if root is None:
-        return f"{text}.\nThe rightmost root was not proven."
-    real, imaginary = root
-    text += f".\nRightmost root {real:.4g}"
+        return f"{text}: no delay ends it."
+    margin = facts["delay_margin"]
+    text += f": critical delay {critical:.4g} s, delay {delay:.4g} s, margin {margin:.4g} s"
+    later = " (a later window of standing)" if margin <= 0.0 and verdict == "Stands" else ""
+    return f"{text}{later}."
+
+
+def _lost(given: Mapping[str, Any], facts: dict[str, Any]) -> str:
+    """Say which sway is lost at the critical delay, and what may be behind it."""
+    frequency = facts["critical_frequency"]
+    if frequency is None:
+        return ""
+    text = f"\nAt the critical delay a sway at {frequency:.3g} Hz begins to grow"
+    free = [joint for joint in JOINTS if math.isfinite(facts["stiffness"][joint])]
+    if frequency > RINGING and not any(given.get(name) for name in DAMPINGS):
+        text += f"; stiff joints without damping ring (--damping {'=…,'.join(free)}=…)"
+    return f"{text}."
+
+
+def _root(facts: dict[str, Any]) -> str:
+    """Say what the rightmost root does."""
+    if facts["rightmost_root"] is None:
+        return "The rightmost root was not proven."
+    real, imaginary = facts["rightmost_root"]
+    text = f"Rightmost root {real:.4g}"
     text += f" ± {imaginary:.4g}i 1/s" if imaginary else " 1/s"
     if imaginary and real < 0.0:
         text += f": sways at {imaginary / math.tau:.3g} Hz, halves in {-math.log(2.0) / real:.3g} s"

@@ -6,11 +6,19 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from standfast.cli.parsing import add_command, add_folder_option, add_format_option, made_folder
+from standfast.cli.parsing import (
+    add_command,
+    add_folder_option,
+    add_format_option,
+    made_folder,
+    pairs_of,
+)
 from standfast.errors import InputError
 
 if TYPE_CHECKING:
     from standfast.figures.marking import Subject
+
+PAIR = "NAME=VALUE, as gravity=1.62"
 
 
 def add(commands: Any) -> None:
@@ -79,7 +87,7 @@ def _draw_atlases(options: argparse.Namespace, progress: Any) -> Sequence[tuple[
     from standfast.figures.atlas_figures import plot
 
     atlases = [open_atlas(path) for path in options.atlas]
-    at = dict(pair for text in options.at for pair in _pairs("--at", text))
+    at = dict(pair for text in options.at for pair in pairs_of("--at", text, PAIR))
     subjects = [one for text in options.mark for one in _subjects(text)]
     return plot(
         atlases,
@@ -93,23 +101,12 @@ def _draw_atlases(options: argparse.Namespace, progress: Any) -> Sequence[tuple[
     )
 
 
-def _pairs(option: str, text: str) -> list[tuple[str, str]]:
-    """Read ``a=1,b=2``."""
-    pairs = []
-    for part in text.split(","):
-        name, equals, value = (each.strip() for each in part.partition("="))
-        if not (name and equals and value):
-            raise InputError(f"{option} {text}: {part!r} is not NAME=VALUE, as gravity=1.62")
-        pairs.append((name, value))
-    return pairs
-
-
 def _subjects(text: str) -> "list[Subject]":
     """Read one subject, or a file of them."""
     from standfast.figures.marking import subject, subjects_in
 
     if "=" in text and not Path(text).exists():
-        return [subject("--mark", dict(_pairs("--mark", text)))]
+        return [subject("--mark", dict(pairs_of("--mark", text, PAIR)))]
     subjects, remark = subjects_in(Path(text))
     if remark:
         print(f"standfast: {remark}", file=sys.stderr)

@@ -18,6 +18,7 @@ from standfast.cli.parsing import (
     number_from_1,
     output_file,
 )
+from standfast.errors import InputError
 
 
 def add_run_options(parser: argparse.ArgumentParser, work: str) -> None:
@@ -38,8 +39,20 @@ def add_run_options(parser: argparse.ArgumentParser, work: str) -> None:
 
 
 def output_of(options: argparse.Namespace) -> Path:
-    """Return the file that a run writes."""
-    return output_file(options.output, Path(options.study.name).with_suffix(".h5").name)
+    """Return the file that a run writes.
+
+    Raises
+    ------
+    InputError
+        if it is named like a study, which nothing may write over.
+    """
+    output = output_file(options.output, Path(options.study.name).with_suffix(".h5").name)
+    if output.suffix == ".toml":
+        raise InputError(
+            f"{output} is the name of a study, and the output is HDF5; write -o "
+            f"{output.with_suffix('.h5')}"
+        )
+    return output
 
 
 def run_shards(

@@ -20,12 +20,17 @@ ABOVE_ANKLE = 1.0 - 0.039
 BAR, MARK = 0.44, 0.3
 
 
-def sway_pattern(ax: Axes, lengths: Sequence[float], rotation: Vector) -> None:
-    """Draw both extreme positions of a mode: shank, thigh, upper body of some lengths (m).
+SWAYING, FALLING = ("one extreme", "the other"), ("falling one way", "the other way")
 
-    ``rotation`` are the turns of ankle, knee and hip at one extreme (rad).
+
+def sway_pattern(
+    ax: Axes, lengths: Sequence[float], rotation: Vector, labels: tuple[str, str] = SWAYING
+) -> None:
+    """Draw a mode both ways, named by ``labels``: shank, thigh, upper body of some lengths (m).
+
+    ``rotation`` are the turns of ankle, knee and hip one way (rad).
     """
-    for sign, linestyle, label in ((1.0, "-", "one extreme"), (-1.0, "--", "the other")):
+    for sign, linestyle, label in ((1.0, "-", labels[0]), (-1.0, "--", labels[1])):
         angles = segment_angles(tuple(sign * turn for turn in rotation))
         steps = np.column_stack([np.sin(angles), np.cos(angles)]) * np.vstack(lengths)
         points = np.vstack([np.zeros(2), np.cumsum(steps, axis=0)])
@@ -70,11 +75,15 @@ def draw_person(
     height: float | None,
     *,
     rotation: Vector,
+    falls: bool,
+    title: str,
     words: tuple[str, str],
     stiffness: Mapping[str, float],
     thresholds: Mapping[str, float],
 ) -> list[Path]:
     """Draw one person into a file; ``words`` are titles of the mode and of the joints.
+
+    ``title`` stands above both, if any is given. The mode is drawn as one that ``falls``, or sways.
 
     Without a ``height`` (m) the upper body is drawn to twice the height of its centre of mass.
     """
@@ -86,11 +95,13 @@ def draw_person(
     largest = max(abs(turn) for turn in rotation)
     turn = tuple(TURN * each / max(largest, 1.0) for each in rotation)
     with paper_figure(width=PAGE * 0.75, height=3.0, panels=(1, 2)) as (figure, (left, right)):
-        sway_pattern(left, lengths, turn)
+        if title:
+            figure.suptitle(title, fontsize=8)
+        sway_pattern(left, lengths, turn, FALLING if falls else SWAYING)
         top = 1.05 * sum(lengths)
         left.set(xlim=(-0.4 * top, 0.4 * top), ylim=(-0.1, top), title=words[0])
         left.set_ylabel("Height above the ankle (m)")
-        left.set_xticks([-0.5, 0.0, 0.5])
+        left.set(xlabel="Forward (m), amplitude arbitrary", xticks=[-0.5, 0.0, 0.5])
         stiffness_bars(right, stiffness, thresholds)
         right.set_title(words[1])
         handles, labels = left.get_legend_handles_labels()

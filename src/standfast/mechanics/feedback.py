@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from standfast.anthropometry.body import Body
-from standfast.errors import InputError, shortened
+from standfast.errors import InputError, says_its_arguments, shortened
 from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import joint_inertia, stiffness_rows
 from standfast.numerics.arrays import Array, Matrix, Scalar, namespace
@@ -68,6 +68,7 @@ class Feedback(_FeedbackFields):
 
     __slots__ = ()
 
+    @says_its_arguments()
     def __new__(cls, proportional: Any, derivative: Any = NONE, delay: Any = 0.0) -> "Feedback":
         """Check every plain value and keep the gains as read-only float64 matrices."""
         gains = (("proportional", proportional), ("derivative", derivative))

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from standfast.anthropometry.body import Body
-from standfast.errors import InputError, shortened
+from standfast.errors import InputError, says_its_arguments, shortened
 from standfast.numerics.arrays import Scalar, Vector, namespace
 from standfast.parameters import COUPLINGS, STIFFNESSES, checked_leaf, checked_scalar, is_typed_in
 
@@ -40,6 +40,7 @@ class Stiffness(_StiffnessFields):
 
     __slots__ = ()
 
+    @says_its_arguments("a rigid joint is math.inf")
     def __new__(
         cls,
         ankle: Any,
@@ -94,7 +95,7 @@ def checked_body(body: Body) -> None:
     if not isinstance(body, Body):
         raise InputError(
             f"body = {shortened(body)} is not a Body; make one with Body.from_height_mass or "
-            "Body.edwards2007"
+            "Body.edwards2007, or of measured segments with Body(segment_mass=…, …)"
         )
     for name, values, shape in zip(Body._fields, body, ((3,), (3,), (2,), (3,)), strict=True):
         if np.shape(values) != shape:

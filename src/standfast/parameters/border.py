@@ -5,6 +5,7 @@ The message names the parameter, the value and what would be right.
 
 import math
 import numbers
+import re
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,19 @@ import numpy as np
 from standfast.errors import InputError, nearest_name, shortened
 from standfast.numerics.arrays import Scalar
 from standfast.parameters.table import PARAMETERS, Parameter
+
+DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
+# Units in which a number out of range may be given by a slip, of a parameter or else of all in a
+# unit (of segments): how many make ours, and from where to where people then are.
+SLIPS = {
+    "height": (("centimetres", 100.0, 1.0, 2.8), ("millimetres", 1000.0, 1.0, 2.8)),
+    "mass": (("grams", 1000.0, 2.0, 650.0),),
+    "gravity": (("cm/s²", 100.0, 1.0, 200.0),),
+    "feedback_delay": (("milliseconds", 1000.0, 0.01, 10.0),),
+    "m": (("centimetres", 100.0, 0.1, 1.0), ("millimetres", 1000.0, 0.1, 1.0)),
+    "kg": (("grams", 1000.0, 0.7, 650.0),),
+    "kg·m²": (("kg·cm²", 1e4, 0.1, 100.0),),
+}
 
 
 def checked_choice(where: str, value: Any, *, row: Parameter | None = None) -> str:
@@ -40,7 +54,9 @@ def checked_number(name: str, value: Any, *, row: Parameter | None = None) -> fl
         value = value.item()
     if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
         kind = "text" if isinstance(value, str) else f"of type {type(value).__name__}"
-        raise InputError(f"{name} = {value!r} is {kind}; give a number, {row.allowed}")
+        raise InputError(
+            f"{name} = {value!r} is {kind}; give a number, {row.allowed}{_point(value)}"
+        )
     try:
         number = float(value)
     except OverflowError:
@@ -80,20 +96,22 @@ def number_in(text: str) -> float:
     return float(text)
 
 
+def _point(value: Any) -> str:
+    """Guess the decimal comma in a text that is no number."""
+    if not isinstance(value, str) or not DECIMAL_COMMA.fullmatch(value.strip()):
+        return ""
+    return f"; decimals have a point, write {value.strip().replace(',', '.')}"
+
+
 def _likely(row: Parameter, number: float) -> str:
     """Guess the slip of units behind a number out of range."""
-    for factor, unit in ((100.0, "centimetres"), (1000.0, "millimetres")):
-        if row.name == "height" and 1.0 <= number / factor <= row.highest:
-            return f"; {number:g} looks like {unit}, write {number / factor:g}"
-    if row.name == "feedback_delay":
-        if row.lowest < -number <= row.highest:
-            return f"; feedback comes after what it senses, write {-number:g}"
-        if row.highest < number <= 1000.0 * row.highest:
-            return f"; {number:g} looks like milliseconds, write {number / 1000.0:g}"
+    if row.name == "feedback_delay" and row.lowest < -number <= row.highest:
+        return f"; feedback comes after what it senses, write {-number:g}"
     if row.name == "mass" and row.highest < number < 2.0 * row.highest:
         return f"; is a decimal point missing, {number / 10.0:g}?"
-    if row.name == "mass" and row.lowest <= number / 1000.0 <= row.highest:
-        return f"; {number:g} looks like grams, write {number / 1000.0:g}"
+    for unit, size, least, most in SLIPS.get(row.name) or SLIPS.get(row.unit) or ():
+        if least <= number / size <= most:
+            return f"; {number:g} looks like {unit}, write {number / size:g}"
     return ""
 
 

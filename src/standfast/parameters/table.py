@@ -186,8 +186,8 @@ OWN_BODY = tuple(name for names in SEGMENT_NUMBERS.values() for name in names)
 
 
 # Heights, masses and BMI run from small children to the tallest and heaviest adults on record
-# (635 kg; 204 kg/m²); gravity from near weightlessness to well beyond a centrifuge. They catch
-# centimetres, grams and a lost decimal point, not unusual people.
+# (635 kg; 204 kg/m²); gravity from near weightlessness to 20 g, what centrifuges for people reach.
+# They catch centimetres, grams and a lost decimal point, not unusual people.
 _TABLE = (
     Parameter(
         "gravity",
@@ -195,7 +195,7 @@ _TABLE = (
         "m/s²",
         "gravitational acceleration",
         1e-3,
-        1e3,
+        200.0,
         key="gravity",
         default=STANDARD_GRAVITY,
     ),

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from standfast.anthropometry.body import Body
-from standfast.errors import InputError
+from standfast.errors import InputError, says_its_arguments
 from standfast.mechanics.feedback import Feedback, checked_damping, checked_feedback
 from standfast.mechanics.joints import Stiffness, checked_person
 from standfast.mechanics.matrices import joint_inertia, stiffness_rows
@@ -25,7 +25,10 @@ from standfast.stability.delay.persons import all_crossings, all_rightmost
 from standfast.stability.delay.table import Crossings
 from standfast.stability.springs import verdict
 
+WRITE = "of feedback write feedback=Feedback(proportional=…, derivative=…, delay=…)"
 
+
+@says_its_arguments()
 def is_stable(
     body: Body,
     stiffness: Stiffness,
@@ -68,6 +71,7 @@ def is_stable(
     return bool(table.stable_at(np.array([float(fed_back.delay)]))[0, 0])
 
 
+@says_its_arguments(WRITE)
 def critical_delay(
     body: Body,
     stiffness: Stiffness,
@@ -87,6 +91,7 @@ def critical_delay(
     return float(table.critical_delay()[0])
 
 
+@says_its_arguments(WRITE)
 def delay_crossings(
     body: Body,
     stiffness: Stiffness,
@@ -116,6 +121,7 @@ def delay_crossings(
     return sorted((float(delay), omega, way) for delay, omega, way in found)
 
 
+@says_its_arguments(WRITE)
 def unstable_roots(
     body: Body,
     stiffness: Stiffness,
@@ -133,6 +139,7 @@ def unstable_roots(
     return int(table.unstable_each(np.array([float(fed_back.delay)]))[0])
 
 
+@says_its_arguments(WRITE)
 def rightmost_root(
     body: Body,
     stiffness: Stiffness,

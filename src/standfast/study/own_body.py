@@ -15,6 +15,7 @@ from standfast.errors import InputError, shortened
 from standfast.parameters import OWN_BODY, PARAMETERS, SEGMENT_NUMBERS, SEGMENT_PARAMETERS
 from standfast.study.canonical import Value
 
+FEW = 2  # numbers of segments that are told one by one
 SCALED = ("height", "mass", "bmi", "body_model")
 
 
@@ -47,6 +48,18 @@ def _by_segment(part: str, given: Any) -> Any:
 def is_own(parameters: Mapping[str, Value]) -> bool:
     """Return whether a body is given by its own segments."""
     return not parameters.keys().isdisjoint(OWN_BODY)
+
+
+def other_body(there: Mapping[str, Value], here: Mapping[str, Value]) -> str:
+    """Say in short how bodies differ of which one has own segments; empty if key by key is."""
+    if is_own(there) != is_own(here):
+        kinds = ("own segments", "scaled from height and mass")
+        first, second = kinds if is_own(there) else reversed(kinds)
+        return f"{first} there, {second} here"
+    differ = [name for name in OWN_BODY if there.get(name) != here.get(name)]
+    if len(differ) <= FEW:
+        return ""
+    return f"other segments there ({', '.join(differ[:FEW])}, … of {len(differ)} numbers)"
 
 
 def check_own_body(

@@ -15,12 +15,12 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from standfast.errors import InputError, shortened
-from standfast.parameters import GAINS, PARAMETERS, STIFFNESSES
+from standfast.parameters import GAINS, OWN_BODY, PARAMETERS, STIFFNESSES
 from standfast.quantities import QUANTITIES
 from standfast.study import values
 from standfast.study.canonical import Value, canonical_text, describe, fingerprint_of, from_json
 from standfast.study.grid import Grid
-from standfast.study.own_body import is_own
+from standfast.study.own_body import SCALED, is_own, other_body
 from standfast.study.toml import read_toml
 
 # What a study may be given as: itself, the path of its file, or its content.
@@ -225,7 +225,12 @@ class Study:
         changes: list[str] = []
         if self.title != other.title:
             changes.append(f"title: {other.title!r} there, {self.title!r} here")
+        bodies = other_body(other.parameters, self.parameters)
+        changes += [f"body: {bodies}"] if bodies else []
+        told = (*OWN_BODY, *SCALED) if bodies else ()
         for name in dict.fromkeys([*other.parameters, *self.parameters]):
+            if name in told:
+                continue
             there, here = other.parameters.get(name), self.parameters.get(name)
             if there != here:
                 changes.append(f"{name}: {describe(there)} there, {describe(here)} here")

@@ -145,7 +145,8 @@ def nearest_panel(
         if isinstance(mine, str):
             near = [place for place in kept if values[place] == mine]
         else:
-            near = sorted(kept, key=lambda place: _distance(float(values[place]), mine))
+            # to a rigid joint all are equally far: the stiffest is the nearest
+            near = sorted(kept, key=lambda at: (_distance(values[at], mine), -values[at]))
         if not near:
             return None
         places[axis] = near[0]
@@ -163,16 +164,22 @@ def contradictions(one: Subject, held: Mapping[str, float | str]) -> str:
         there = held.get(name)
         if there is None or _is(value, there):
             continue
-        unit = "" if PARAMETERS[name].choices else f" {PARAMETERS[name].unit}"
-        mine, its = (v if isinstance(v, str) else f"{v:.4g}" for v in (value, there))
-        words.append(f"{name} {mine}{unit}, drawn where it is {its}")
+        words.append(
+            f"{name} {_said(name, value)}, drawn where it is {_said(name, there, unit=False)}"
+        )
     return f"{one.called}: {'; '.join(words)}" if words else ""
+
+
+def _said(name: str, value: float | str, *, unit: bool = True) -> str:
+    if isinstance(value, str) or math.isinf(value):
+        return value if isinstance(value, str) else "rigid"
+    return f"{value:.4g} {PARAMETERS[name].unit}" if unit else f"{value:.4g}"
 
 
 def _is(one: float | str, other: float | str) -> bool:
     if isinstance(one, str) or isinstance(other, str):
         return one == other
-    return one == other or abs(one - other) <= SAME * max(abs(one), abs(other))
+    return math.isclose(one, other, rel_tol=SAME)
 
 
 def is_outside(one: Subject, frame: Mapping[str, tuple[float, float]]) -> str:

@@ -104,6 +104,12 @@ def nearest_place(where: str, name: str, axis: np.ndarray, value: float | str) -
     if math.isinf(value) and value in axis:
         return int(np.flatnonzero(axis == value)[0])
     low, high = axis[0], axis[np.isfinite(axis)][-1] if np.isfinite(axis).any() else axis[-1]
+    if value == math.inf:
+        word = "rigid" if PARAMETERS[name].or_rigid else "inf"
+        raise InputError(
+            f"{where}: {name} = {word} is not on its axis, {low:g} to {high:g} "
+            f"{PARAMETERS[name].unit}"
+        )
     if not low * (1.0 - SAME) <= value <= high * (1.0 + SAME) and not _same(low, value):
         rigid = " or inf" if np.isinf(axis[-1]) else ""
         raise InputError(
@@ -114,9 +120,9 @@ def nearest_place(where: str, name: str, axis: np.ndarray, value: float | str) -
 
 
 def _same(one: Any, other: Any) -> bool:
-    if isinstance(other, str):
-        return bool(one == other)
-    return bool(one == other or abs(one - other) <= SAME * max(abs(one), abs(other)))
+    return bool(one == other) or (
+        not isinstance(other, str) and math.isclose(one, other, rel_tol=SAME)
+    )
 
 
 def _no_axis(study: Study, name: str) -> str:

@@ -36,6 +36,9 @@ STYLE: Any = {
     "ytick.direction": "out",
     "mathtext.fontset": "dejavusans",
     "savefig.dpi": 300,
+    # TrueType, in which text can be searched; journals refuse type 3
+    "pdf.fonttype": 42,
+    "ps.fonttype": 42,
     "svg.fonttype": "none",
     "svg.hashsalt": "standfast",
 }

@@ -55,3 +55,32 @@ def test_a_subject_with_a_rigid_knee_is_nearest_to_the_stiffest_which_is_said(
     }
     assert list(marked) == ["$K_k$ = 2500 N·m/rad"]
     np.testing.assert_array_equal(*marked.values(), [900.0, 400.0])
+
+
+def test_each_slice_has_a_file_of_its_own(atlas, tmp_path):
+    slices = ({}, {"gravity": 1.62}, {"gravity": 1.62, "knee_stiffness": 1500})
+    for at in slices:
+        plot(atlas, tmp_path, quantities=["limits"], at=at)
+    plot(atlas, tmp_path, quantities=["limits"], at={"knee": 1500}, overlay="gravity")
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "moon-limits.png",
+        "moon-limits-gravity-1.62.png",
+        "moon-limits-gravity-1.62-knee-1500.png",
+        "moon-limits-over-gravity-knee-1500.png",
+    }
+
+
+def test_figures_may_be_called_as_their_files(atlas, tmp_path, capsys):
+    (drawing,) = plot(atlas, tmp_path, quantities=["limits", "stable"])
+    assert [path.name for path in drawing.paths] == ["moon-limits.png"]
+    with pytest.raises(sf.InputError, match="decay_rate and sway_frequency along feedback_delay"):
+        plot(atlas, tmp_path, quantities=["locus"])
+    assert main(["plot", str(atlas.path), "-o", str(tmp_path), "-q", "limit"]) == 2
+    assert "has no 'limit'; did you mean 'limits'?" in capsys.readouterr().err
+
+
+def test_text_in_a_pdf_is_in_no_type_3_font(atlas, tmp_path):
+    (drawing,) = plot(atlas, tmp_path, quantities=["limits"], formats=("pdf",))
+    content = drawing.paths[0].read_bytes()
+    assert b"/Type0" in content
+    assert b"/Type3" not in content

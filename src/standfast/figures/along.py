@@ -109,8 +109,6 @@ def locus_of(
     """
     index = slice_of([atlas.study], at).index
     cut = locus_cut(atlas, index)
-    if cut is None:
-        raise InputError(f"{atlas.path} does not hold {' and '.join(ROOT)} along {DELAY}")
     if axes is None:
         axes = new_axes(3)
     draw_loci(axes, atlas, cut)
@@ -195,12 +193,18 @@ def _set_height(ax: Axes, quantity: str, curves: Sequence[np.ndarray]) -> None:
         note(ax, "above its curve a person stands")
 
 
-def locus_cut(atlas: Atlas, index: Mapping[str, int]) -> Cut | None:
-    """Choose the loci of an atlas; None if it holds no rightmost root along the delay."""
+def has_locus(atlas: Atlas, index: Mapping[str, int]) -> bool:
+    """Return whether an atlas holds the rightmost root along the delay."""
     long = len(atlas.study.axes.get(DELAY, ())) >= LEAST_SIDE
-    if not (long and set(ROOT) <= set(atlas.quantities)) or DELAY in index:
-        return None
-    return cut_of(atlas, ROOT[0], index, DELAY)
+    return long and set(ROOT) <= set(atlas.quantities) and DELAY not in index
+
+
+def locus_cut(atlas: Atlas, index: Mapping[str, int]) -> Cut:
+    """Choose the loci of an atlas; refuse one that holds no rightmost root along the delay."""
+    cut = cut_of(atlas, ROOT[0], index, DELAY) if has_locus(atlas, index) else None
+    if cut is None:
+        raise InputError(f"{atlas.path} does not hold {' and '.join(ROOT)} along {DELAY}")
+    return cut
 
 
 def draw_loci(axes: Sequence[Axes], atlas: Atlas, cut: Cut) -> None:

@@ -17,7 +17,7 @@ from standfast.figures import along, limits, locus, maps, marking, style
 from standfast.figures.choosing import MOST_PANELS, left_out, places_of, thinned
 from standfast.figures.marking import Subject
 from standfast.figures.naming import given_words, in_lines, titled
-from standfast.figures.slicing import Slice
+from standfast.figures.slicing import Slice, in_a_file_name
 from standfast.parameters import PARAMETERS
 from standfast.quantities import QUANTITIES
 from standfast.thresholds.planes import finite
@@ -49,9 +49,15 @@ class Request:
         values = {name: axes[name][place] for name, place in cut if name in dims}
         return given_words([atlas.study for atlas in self.atlases], values, quantities)
 
-    def path(self, name: str) -> Path:
-        """Return the stem of a figure's files."""
-        return self.stem.with_name(f"{self.stem.name}-{name}")
+    def path(self, name: str, overlay: str | None = None) -> Path:
+        """Return the stem of a figure's files, which names the slice: none hides another."""
+        axes = {**self.atlas.study.axes}
+        for atlas in self.atlases[1:]:
+            axes |= atlas.study.axes
+        places = self.cut.index.items()
+        slices = [in_a_file_name(axis, axes[axis][place]) for axis, place in places]
+        over = [f"over-{overlay}"] if overlay else []
+        return self.stem.with_name("-".join([self.stem.name, name, *over, *slices]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,8 +70,11 @@ class Picture:
     draw: Callable[[Tick], style.Drawing]
 
 
-def limits_picture(request: Request, plan: limits.Plan) -> Picture:
-    """Lay out the limits of standing, small multiples over axes that give no curves."""
+def limits_picture(request: Request, plan: limits.Plan, overlay: str | None) -> Picture:
+    """Lay out the limits of standing, small multiples over axes that give no curves.
+
+    ``overlay`` is the axis of the curves if it was asked for.
+    """
     study = request.atlas.study
     shown = thinned(study, plan.panels, MOST_PANELS)
     places = places_of(shown)
@@ -78,7 +87,7 @@ def limits_picture(request: Request, plan: limits.Plan) -> Picture:
                 index = {**request.cut.index, **place}
                 limits.draw_limits(ax, request.atlases, plan, index, subjects)
                 tick()
-            paths = style.save(figure, request.path("limits"), request.formats)
+            paths = style.save(figure, request.path("limits", overlay), request.formats)
         drawn = limits.curves_shown(request.atlas, plan, len(request.atlases))
         return style.Drawing(paths, _sentence([left_out(study, {**shown, **drawn}), *said]))
 

@@ -37,6 +37,15 @@ def full_name(where: str, given: str) -> str:
     return names[given]
 
 
+def in_a_file_name(name: str, value: Any) -> str:
+    """Name a value in the name of a file: ``gravity-1.62``, ``knee-rigid``."""
+    key = PARAMETERS[name].key
+    head = key if key and short_names().get(key) == name else name
+    if isinstance(value, str):
+        return f"{head}-{value}"
+    return f"{head}-rigid" if np.isinf(value) else f"{head}-{float(value):.12g}".replace("+", "")
+
+
 def value_in(where: str, name: str, given: Any) -> float | str:
     """Return a value of a parameter, a number or a word; ``rigid`` is infinite."""
     row = PARAMETERS[name]

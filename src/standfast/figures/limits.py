@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from standfast.atlas.reader import Atlas
 from standfast.errors import InputError
 from standfast.figures import labels, marking
 from standfast.figures.choosing import MOST_CURVES, middles, thinned
+from standfast.figures.given import atlases_in
 from standfast.figures.naming import curve_words, given_words, named, set_title
 from standfast.figures.scales import set_frame
 from standfast.figures.slicing import full_name, slice_of
@@ -49,7 +51,7 @@ class Curve:
 
 
 def limits(
-    *atlases: Atlas,
+    *atlases: Atlas | str | Path | Sequence[Atlas | str | Path],
     ax: Axes | None = None,
     at: Mapping[str, Any] | None = None,
     overlay: str | None = None,
@@ -65,7 +67,7 @@ def limits(
     Parameters
     ----------
     atlases
-        up to four, whose limits lie on the same two axes.
+        up to four, or their files, whose limits lie on the same two axes.
     ax
         where to draw (default: new axes of a figure of pyplot).
     at
@@ -87,13 +89,14 @@ def limits(
         for an unknown name, a value beyond its axis, atlases that share no plane, or a subject who
         names none of the two axes.
     """
-    studies = [atlas.study for atlas in atlases]
+    opened = atlases_in(atlases)
+    studies = [atlas.study for atlas in opened]
     cut = slice_of(studies, at)
-    plan = plan_of(atlases, cut.index, overlay)
+    plan = plan_of(opened, cut.index, overlay)
     index = {**middles(studies[0], plan.panels), **cut.index}
     subjects = marking.subjects_on(plan.axes, mark)
     ax = axes_for(ax)
-    draw_limits(ax, atlases, plan, index, subjects)
+    draw_limits(ax, opened, plan, index, subjects)
     x, y = (PARAMETERS[name].label for name in plan.axes)
     ax.set(xlabel=x, ylabel=y)
     values = {

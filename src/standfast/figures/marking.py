@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from standfast.errors import InputError, nearest_name
+from standfast.errors import InputError, nearest_name, shortened
 from standfast.figures.labels import NOWHERE, in_frame
 from standfast.figures.slicing import full_name, short_names, value_in
 from standfast.figures.style import note
@@ -54,7 +54,13 @@ def subjects_of(mark: Given | str | Path | Iterable[Given | Subject] | None) -> 
         return []
     if isinstance(mark, str | Path):
         return subjects_in(Path(mark))[0]
-    several = [mark] if isinstance(mark, Mapping) else list(mark)
+    several = [mark] if isinstance(mark, Mapping | Subject) or not np.iterable(mark) else list(mark)
+    for each in several:
+        if not isinstance(each, Mapping | Subject):
+            raise InputError(
+                f"mark = {shortened(mark)}; give parameters by name, as "
+                '{"ankle": 900, "hip": 400}, several of them, or a CSV file'
+            )
     return [each if isinstance(each, Subject) else subject("mark", each) for each in several]
 
 
@@ -153,8 +159,8 @@ def nearest_panel(
     return places
 
 
-def _distance(one: float, other: float) -> float:
-    return 0.0 if one == other else abs(one - other)
+def _distance(one: Any, other: float) -> float:
+    return 0.0 if one == other else abs(float(one) - other)
 
 
 def contradictions(one: Subject, held: Mapping[str, float | str]) -> str:

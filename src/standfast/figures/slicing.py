@@ -32,7 +32,7 @@ def short_names() -> dict[str, str]:
 def full_name(where: str, given: str) -> str:
     """Return the parameter that a user means; refuse what is none."""
     names = short_names()
-    if given not in names:
+    if not isinstance(given, str) or given not in names:
         raise InputError(f"{where}: {shortened(given)} is no parameter{nearest_name(given, names)}")
     return names[given]
 
@@ -83,6 +83,8 @@ def slice_of(studies: Sequence[Study], at: Mapping[str, Any] | None, where: str 
     InputError
         for a name that is no parameter or no axis, and a value beyond its axis.
     """
+    if at is not None and not isinstance(at, Mapping):
+        raise InputError(f'{where} = {shortened(at)}; give values by name, as {{"gravity": 1.62}}')
     index: dict[str, int] = {}
     remarks: list[str] = []
     for given, wanted in (at or {}).items():

@@ -13,6 +13,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from standfast.errors import InputError, shortened
 from standfast.files import whole_file
 
 COLUMN, PAGE = 3.5, 7.0  # widths of a column and of a page of a journal, inches
@@ -98,7 +99,11 @@ def save(figure: Figure, stem: Path, formats: Sequence[str] = ("png", "svg")) ->
 
 def axes_for(ax: Axes | None) -> Axes:
     """Return the axes that a figure is drawn into: those given, or of a new figure of pyplot."""
-    return new_axes(1)[0] if ax is None else ax
+    if ax is None:
+        return new_axes(1)[0]
+    if not isinstance(ax, Axes):
+        raise InputError(f"ax = {shortened(ax)}; give one axes of matplotlib, as figure.subplots()")
+    return ax
 
 
 def new_axes(count: int) -> list[Axes]:

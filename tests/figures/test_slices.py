@@ -84,3 +84,12 @@ def test_text_in_a_pdf_is_in_no_type_3_font(atlas, tmp_path):
     content = drawing.paths[0].read_bytes()
     assert b"/Type0" in content
     assert b"/Type3" not in content
+
+
+def test_a_verdict_along_one_axis_is_no_curve(atlas, tmp_path):
+    at = {"gravity": 9.81, "knee": 1500, "hip": 20}
+    drawn = plot(atlas, tmp_path, quantities=["stable"], at=at)
+    assert [(d.paths, d.remark.partition(":")[0]) for d in drawn] == [
+        ([], "stable is 0 or 1 along ankle_stiffness")
+    ]
+    assert not list(tmp_path.iterdir())

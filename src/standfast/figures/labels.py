@@ -37,12 +37,12 @@ def name_curves(
     heights of the frame; returned are those with the places of the names.
     """
     named = [(name, _inside(ax, curve)) for name, curve in curves]
-    mark = _half_size(ax, "xx")
+    mark = half_size(ax, "xx")
     taken = [(place, mark) for place in avoid]  # where, and how large
     for number, (name, curve) in enumerate(named):
         if not name or len(curve) == 0:
             continue
-        size = _half_size(ax, name)
+        size = half_size(ax, name)
         others = [other for at, (_, other) in enumerate(named) if at != number and len(other)]
         inner = np.flatnonzero(((curve > size) & (curve < 1.0 - size)).all(axis=1))
         inner = inner if inner.size else np.arange(len(curve))
@@ -61,7 +61,7 @@ def name_curves(
         at = curve[steps[best[best.size // 2]]]
         taken.append((at, size))
         color = colors[number] if colors else "black"
-        remark(ax, *_in_data(ax, at), name, color=color)
+        remark(ax, *in_data(ax, at), name, color=color)
     return np.array([place for place, _ in taken]).reshape(-1, 2)
 
 
@@ -81,7 +81,7 @@ def name_regions(
     taken = avoid.reshape(-1, 2)
     for word, inside in regions.items():
         within = places[inside.ravel()]
-        size = _half_size(ax, word)
+        size = half_size(ax, word)
         frame = np.minimum(within, 1.0 - within) / (size + MARGIN)
         clear = np.minimum(_clearance(within, lines, size), _clearance(within, taken, 2.5 * size))
         clear = np.minimum(clear, frame.min(axis=1) * 2.0)
@@ -91,7 +91,7 @@ def name_regions(
         best = within[clear >= min(clear.max(), 3.0)]
         at = best[np.argmin(np.abs(best - best.mean(axis=0)).sum(axis=1))]
         taken = np.concatenate([taken, at[None, :]])
-        remark(ax, *_in_data(ax, at), word)
+        remark(ax, *in_data(ax, at), word)
     return taken
 
 
@@ -120,12 +120,13 @@ def _inside(ax: Axes, curve: Curve) -> np.ndarray:
     return points[((points > -0.01) & (points < 1.01)).all(axis=1)]
 
 
-def _in_data(ax: Axes, place: np.ndarray) -> tuple[float, float]:
+def in_data(ax: Axes, place: np.ndarray) -> tuple[float, float]:
+    """Return a place in widths and heights of the frame as coordinates of the data."""
     across, up = (ax.transScale + ax.transLimits).inverted().transform(place)
     return float(across), float(up)
 
 
-def _half_size(ax: Axes, word: str) -> np.ndarray:
+def half_size(ax: Axes, word: str) -> np.ndarray:
     """Return half of the size of a word, in widths and heights of the frame."""
     box = ax.get_window_extent()
     points = 72.0 / ax.figure.dpi * np.array([box.width, box.height])

@@ -97,6 +97,8 @@ def limits(
     subjects = marking.subjects_on(plan.axes, mark)
     ax = axes_for(ax)
     draw_limits(ax, opened, plan, index, subjects)
+    frame = dict(zip(plan.axes, (ax.get_xlim(), ax.get_ylim()), strict=True))
+    marking.warn_of(subjects, frame)
     x, y = (PARAMETERS[name].label for name in plan.axes)
     ax.set(xlabel=x, ylabel=y)
     values = {
@@ -121,6 +123,9 @@ def plan_of(atlases: Sequence[Atlas], index: Mapping[str, int], overlay: str | N
     if over is not None and all(plan.along != over for plan in found):
         axes = ", ".join(atlases[0].study.axes_of("stable"))
         raise InputError(f"overlay: {over} is no axis that is left to be drawn (axes: {axes})")
+    if len(atlases) > 1 and over is None:
+        # curves of each file at each value of a further axis nobody tells apart
+        found = [Plan(p.axes, None, (*p.panels, p.along) if p.along else p.panels) for p in found]
     first = found[0]
     for atlas, plan in zip(atlases[1:], found[1:], strict=True):
         if plan.axes != first.axes:
@@ -212,6 +217,14 @@ def curves_shown(atlas: Atlas, plan: Plan, files: int) -> dict[str, set[int]]:
     """Return which values of the axis of curves are drawn of one of some atlases."""
     along = [plan.along] if plan.along in atlas.study.axes else []
     return thinned(atlas.study, along, max(2, MOST_CURVES // files))
+
+
+def values_of_curves(atlases: Sequence[Atlas], plan: Plan) -> dict[str, list[Any]]:
+    """Return the values of the axis of curves at which some are drawn."""
+    return {
+        axis: [atlases[0].study.axes[axis][i] for i in sorted(places)]
+        for axis, places in curves_shown(atlases[0], plan, len(atlases)).items()
+    }
 
 
 def _names_of_files(atlases: Sequence[Atlas]) -> list[str]:

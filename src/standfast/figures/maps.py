@@ -137,6 +137,8 @@ def map_of(
     ax = axes_for(ax)
     panel = panel_of(atlas, quantity, layout, index)
     shown = draw_map(ax, study, quantity, layout, panel, colours_of(quantity, [panel]), subjects)
+    frame = dict(zip(layout.axes, (ax.get_xlim(), ax.get_ylim()), strict=True))
+    marking.warn_of(subjects, frame)
     x, y = (PARAMETERS[name].label for name in layout.axes)
     ax.set(xlabel=x, ylabel=y)
     values = {name: study.axes[name][i] for name, i in index.items()}

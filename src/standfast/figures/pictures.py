@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -81,7 +82,8 @@ def limits_picture(request: Request, plan: limits.Plan, overlay: str | None) -> 
 
     def draw(tick: Tick) -> style.Drawing:
         words, heading = _titles(request, plan.panels, places), request.heading()
-        marked, said = _placed(request, plan.axes, shown)
+        lines = limits.values_of_curves(request.atlases, plan)
+        marked, said = _placed(request, plan.axes, shown, lines)
         with _small_multiples(plan.axes, words, shown, heading, 3.1) as (figure, panes):
             for ax, place, subjects in zip(panes, places, marked, strict=False):
                 index = {**request.cut.index, **place}
@@ -129,6 +131,12 @@ def curves_picture(request: Request, name: str, cut: along.Cut) -> Picture:
     atlas, study = request.atlas, request.atlas.study
 
     def draw(tick: Tick) -> style.Drawing:
+        if name == "stable":  # ramps between 0 and 1
+            tick()
+            words = (
+                f"stable is 0 or 1 along {cut.along}: no figure; a critical stiffness shows where"
+            )
+            return style.Drawing([], words)
         values = np.concatenate([np.ravel(atlas[name][place]) for place in cut.places.values()])
         if np.isfinite(values).all() and np.ptp(values) <= 1e-12 * np.abs(values).max():
             tick()
@@ -183,12 +191,16 @@ def _titles(
 
 
 def _placed(
-    request: Request, axes: tuple[str, str], shown: Shown
+    request: Request,
+    axes: tuple[str, str],
+    shown: Shown,
+    curves: Mapping[str, Sequence[Any]] | None = None,
 ) -> tuple[list[list[Subject]], list[str]]:
     """Return the subjects of each panel, and what is to be said of them."""
     study, said = request.atlas.study, []
     studies = [atlas.study for atlas in request.atlases]
     held = {k: v for k, v in study.fixed.items() if all(each.fixed.get(k) == v for each in studies)}
+    known = {name for each in studies for name in (*each.fixed, *each.axes)}
     held |= {name: study.axes[name][i] for name, i in request.cut.index.items()}
     sides = {axis: [finite(each.axes[axis]) for each in studies] for axis in axes}
     frame = {axis: (min(s[0] for s in v), max(s[-1] for s in v)) for axis, v in sides.items()}
@@ -204,7 +216,7 @@ def _placed(
             continue
         there = {name: study.axes[name][i] for name, i in own.items()}
         said.append(marking.is_outside(one, frame))
-        said.append(marking.contradictions(one, {**held, **there}))
+        said.append(marking.contradictions(one, {**held, **there}, curves, known))
         for subjects, place in zip(panels, places, strict=True):
             if all(place[axis] == i for axis, i in own.items()):
                 subjects.append(one)

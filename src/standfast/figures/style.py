@@ -116,12 +116,20 @@ def new_axes(count: int) -> list[Axes]:
 
 
 def remark(
-    ax: Axes, x: float, y: float, text: str, *, fontsize: float | None = None, color: str = "black"
+    ax: Axes,
+    x: float,
+    y: float,
+    text: str,
+    *,
+    fontsize: float | None = None,
+    color: str = "black",
+    zorder: float = 3.0,
 ) -> None:
     """Write centred words on a white ground, so that no line runs through them."""
     ground = {"boxstyle": "square,pad=0.12", "facecolor": "white", "edgecolor": "none"}
     size = fontsize or mpl.rcParams["legend.fontsize"]
-    ax.text(x, y, text, ha="center", va="center", bbox=ground, fontsize=size, color=color)
+    look: Any = {"bbox": ground, "fontsize": size, "color": color, "zorder": zorder}
+    ax.text(x, y, text, ha="center", va="center", **look)
 
 
 def note(ax: Axes, text: str) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import standfast as sf
+from reading import check_legible, texts
 from standfast.cli.app import main
 from standfast.figures import marking
 from standfast.figures.atlas_figures import plot
@@ -93,3 +94,17 @@ def test_a_verdict_along_one_axis_is_no_curve(atlas, tmp_path):
         ([], "stable is 0 or 1 along ankle_stiffness")
     ]
     assert not list(tmp_path.iterdir())
+
+
+def test_names_of_limits_in_a_corner_cover_neither_the_axes_nor_each_other(tmp_path, drawn):
+    stiffness = {**STUDY["stiffness"], "ankle": {"start": 0, "stop": 2000, "num": 9}}
+    stiffness["hip"] = {"start": 0, "stop": 1500, "num": 8}
+    study = sf.Study.from_dict({**STUDY, "gravity": 1.62, "stiffness": stiffness})
+    moon = sf.sweep(study, tmp_path / "moon.h5")
+    plot(moon, tmp_path, quantities=["limits"])
+    ax = drawn[0].axes[0]
+    assert "limits: $K_k$ = 1000, 1500, 2500" in {text.get_text() for text in ax.texts}
+    panel = ax.get_window_extent()
+    for text, box in texts(drawn[0]):
+        assert text not in ax.texts or (panel.x0 <= box.x0 and panel.y0 <= box.y0)
+    check_legible(drawn)

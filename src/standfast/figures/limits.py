@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -187,8 +188,21 @@ def draw_limits(
         [(curve.name, curve.region.curve) for curve in curves],
         colors=[curve.style["color"] for curve in curves] if apart else (),
         avoid=avoid,
+        together=True,
     )
+    called = [curve.name for curve in curves if curve.name and len(curve.region.curve[0])]
+    if called and len(names) == len(avoid):
+        names = np.concatenate([avoid, _name_aside(ax, called, legend=apart)])
     _name_sides(ax, [curve.region for curve in curves], names)
+
+
+def _name_aside(ax: Axes, names: Sequence[str], *, legend: bool) -> np.ndarray:
+    """Name curves beside which there is no room; return where in the frame."""
+    if legend:
+        ax.legend(loc="upper right", fontsize=mpl.rcParams["legend.fontsize"])
+        return np.array([[x, y] for x, _ in NOTED for y in (0.75, 0.85, 0.95)])
+    note(ax, f"limits: {', '.join(names)}")
+    return NOTED
 
 
 def _curves_of(atlases: Sequence[Atlas], plan: Plan, index: Mapping[str, int]) -> Iterator[Curve]:

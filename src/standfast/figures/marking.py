@@ -35,7 +35,8 @@ LIKELY = 0.75  # a column's name as near as that to a parameter's is a slip
 SIZES = {"mass", "bmi"}  # one follows from the other by the height
 SAME = 1e-6  # a value that is the figure's, relative
 
-# Where a label is tried beside its mark, in half sizes of both.
+# Where a label is tried beside its mark, in half sizes of both; after the first ones with a line.
+NEAR = 6
 AROUND = [
     (1, 0.6),
     (-1, 0.6),
@@ -254,9 +255,9 @@ def is_outside(one: Subject, frame: Mapping[str, tuple[float, float]]) -> str:
 def draw_subjects(ax: Axes, subjects: Sequence[Subject], axes: tuple[str, str]) -> np.ndarray:
     """Mark subjects; say of who lies outside in a corner.
 
-    A label lies beside its mark where it covers no mark and no other label; without such a place it
-    is left away. Returns the places (n, 2) of marks and labels, in widths and heights of the frame,
-    which no word is to cover.
+    A label lies beside its mark where it covers no mark and no other label; without such a place
+    the corner says so. Returns the places (n, 2) of marks and labels, in widths and heights of the
+    frame, which no word is to cover.
     """
     ends = dict(zip(axes, (ax.get_xlim(), ax.get_ylim()), strict=True))
     inside = [one for one in subjects if not is_outside(one, ends)]
@@ -277,7 +278,12 @@ def draw_subjects(ax: Axes, subjects: Sequence[Subject], axes: tuple[str, str]) 
         for place, other in taken:
             free &= (np.abs(beside - place) >= size + other).any(axis=1)
         if one.label and free.any():
-            place = beside[np.argmax(free)]
-            taken.append((place, size))
-            remark(ax, *in_data(ax, place), one.label.replace("$", r"\$"), zorder=6.0)
+            first = int(np.argmax(free))
+            taken.append((beside[first], size))
+            end = in_data(ax, beside[first])
+            if first >= NEAR:
+                ax.plot(*zip(point, end, strict=True), color="black", linewidth=0.5, zorder=5)
+            remark(ax, *end, one.label.replace("$", r"\$"), zorder=6.0)
+        elif one.label:
+            note(ax, f"not labelled: {one.label}")
     return np.array([place for place, _ in taken])

@@ -6,19 +6,21 @@ the title.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from standfast.atlas.reader import Atlas
-from standfast.errors import InputError
+from standfast.errors import InputError, shortened
 from standfast.figures import labels, locus
 from standfast.figures.choosing import MOST_CURVES, middles, thinned
+from standfast.figures.given import atlas_in
 from standfast.figures.maps import CUT_AT, LIMITS, RUNNING_AWAY
 from standfast.figures.naming import curve_words, given_words, set_title
 from standfast.figures.scales import set_scale
-from standfast.figures.slicing import slice_of
+from standfast.figures.slicing import full_name, slice_of
 from standfast.figures.style import GREY, axes_for, graded, new_axes, note
 from standfast.parameters import PARAMETERS
 from standfast.quantities import QUANTITIES
@@ -44,7 +46,7 @@ class Cut:
 
 
 def curves_of(
-    atlas: Atlas,
+    atlas: Atlas | str | Path,
     quantity: str,
     *,
     ax: Axes | None = None,
@@ -74,7 +76,9 @@ def curves_of(
     InputError
         for an unknown name, a value beyond its axis, or a quantity without an axis.
     """
+    atlas = atlas_in(atlas)
     index = slice_of([atlas.study], at).index
+    along = full_name("along", along) if along is not None else None
     cut = cut_of(atlas, quantity, index, along)
     if cut is None:
         raise InputError(f"{atlas.path} has no axis to draw {quantity} along")
@@ -85,7 +89,10 @@ def curves_of(
 
 
 def locus_of(
-    atlas: Atlas, *, axes: Sequence[Axes] | None = None, at: Mapping[str, Any] | None = None
+    atlas: Atlas | str | Path,
+    *,
+    axes: Sequence[Axes] | None = None,
+    at: Mapping[str, Any] | None = None,
 ) -> Sequence[Axes]:
     """Draw the rightmost root over the delay: real part, imaginary part, complex plane.
 
@@ -107,12 +114,15 @@ def locus_of(
     InputError
         if the atlas holds no rightmost root along the delay, or for a wrong name or value.
     """
+    atlas = atlas_in(atlas)
     index = slice_of([atlas.study], at).index
     cut = locus_cut(atlas, index)
-    if cut is None:
-        raise InputError(f"{atlas.path} does not hold {' and '.join(ROOT)} along {DELAY}")
     if axes is None:
         axes = new_axes(3)
+    elif len(given := np.ravel(np.array(axes, dtype=object))) != 3 or not all(
+        isinstance(ax, Axes) for ax in given
+    ):
+        raise InputError(f"axes = {shortened(axes)}; give three axes, as figure.subplots(1, 3)")
     draw_loci(axes, atlas, cut)
     if cut.several:
         axes[0].legend(frameon=False, fontsize="small")
@@ -195,12 +205,18 @@ def _set_height(ax: Axes, quantity: str, curves: Sequence[np.ndarray]) -> None:
         note(ax, "above its curve a person stands")
 
 
-def locus_cut(atlas: Atlas, index: Mapping[str, int]) -> Cut | None:
-    """Choose the loci of an atlas; None if it holds no rightmost root along the delay."""
+def has_locus(atlas: Atlas, index: Mapping[str, int]) -> bool:
+    """Return whether an atlas holds the rightmost root along the delay."""
     long = len(atlas.study.axes.get(DELAY, ())) >= LEAST_SIDE
-    if not (long and set(ROOT) <= set(atlas.quantities)) or DELAY in index:
-        return None
-    return cut_of(atlas, ROOT[0], index, DELAY)
+    return long and set(ROOT) <= set(atlas.quantities) and DELAY not in index
+
+
+def locus_cut(atlas: Atlas, index: Mapping[str, int]) -> Cut:
+    """Choose the loci of an atlas; refuse one that holds no rightmost root along the delay."""
+    cut = cut_of(atlas, ROOT[0], index, DELAY) if has_locus(atlas, index) else None
+    if cut is None:
+        raise InputError(f"{atlas.path} does not hold {' and '.join(ROOT)} along {DELAY}")
+    return cut
 
 
 def draw_loci(axes: Sequence[Axes], atlas: Atlas, cut: Cut) -> None:

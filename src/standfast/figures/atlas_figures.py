@@ -10,10 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from standfast.atlas.reader import Atlas
-from standfast.errors import InputError
+from standfast.errors import InputError, nearest_name
 from standfast.figures import along, limits, maps, marking, pictures, style
 from standfast.figures.marking import Subject
 from standfast.figures.slicing import slice_of
+
+# Figures that are called by a name that is no quantity's, and by the quantities that they show.
+FIGURES = ("limits", "locus")
+LIMITS = ("limits", "stable")
 
 
 def plot(
@@ -40,9 +44,8 @@ def plot(
         before anything is drawn: for what is not inside, or no figure can show.
     """
     atlases = [atlases] if isinstance(atlases, Atlas) else list(atlases)
-    for name in quantities:
-        for atlas in atlases:
-            atlas[name]  # refuses what is not in it
+    for atlas in atlases:
+        _check_names(atlas, quantities)
     names = "-".join(atlas.path.name.removesuffix(".h5") for atlas in atlases)
     cut = slice_of([atlas.study for atlas in atlases], at, "--at")
     request = pictures.Request(atlases, cut, mark, folder / names, formats)
@@ -63,12 +66,23 @@ def plot(
     return [*said, *(picture.draw(tick) for picture in drawn)]
 
 
+def _check_names(atlas: Atlas, names: Sequence[str]) -> None:
+    """Refuse what is neither a quantity inside an atlas nor a figure of its own name."""
+    known = [*atlas.quantities, *FIGURES]
+    for name in names:
+        if name not in known:
+            raise InputError(
+                f"{atlas.path} has no {name!r}{nearest_name(name, known)} "
+                f"(inside: {', '.join(atlas.quantities)}; figures: {', '.join(FIGURES)})"
+            )
+
+
 def _pictures_of(
     request: pictures.Request, quantities: Sequence[str], overlay: str | None
 ) -> Iterator[pictures.Picture]:
     """Go through the figures that are drawn."""
     atlas, index = request.atlas, request.cut.index
-    if len(request.atlases) > 1 and (others := [name for name in quantities if name != "stable"]):
+    if len(request.atlases) > 1 and (others := [n for n in quantities if n not in LIMITS]):
         raise InputError(
             f"limits of standing of several files go into one figure, {others[0]} of one alone"
         )
@@ -76,16 +90,16 @@ def _pictures_of(
     try:
         plan = limits.plan_of(request.atlases, index, overlay)
     except InputError:
-        if overlay is not None or len(request.atlases) > 1:
+        if overlay is not None or len(request.atlases) > 1 or "limits" in quantities:
             raise
-    if plan is not None and (not quantities or "stable" in quantities):
-        yield pictures.limits_picture(request, plan)
+    if plan is not None and (not quantities or set(LIMITS) & set(quantities)):
+        yield pictures.limits_picture(request, plan, overlay and plan.along)
     if len(request.atlases) > 1:
         return
-    loci = None if quantities else along.locus_cut(atlas, index)
-    if loci is not None:
-        yield pictures.locus_picture(request, loci)
-    for name in quantities or atlas.quantities:
+    loci = not quantities and along.has_locus(atlas, index)
+    if loci or "locus" in quantities:
+        yield pictures.locus_picture(request, along.locus_cut(atlas, index))
+    for name in [each for each in quantities or atlas if each not in FIGURES]:
         layout = maps.layout_of(atlas, name, index)
         if (name == "stable" and plan) or (name in along.ROOT and loci and layout is None):
             continue  # the limits show it, or the loci

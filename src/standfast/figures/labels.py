@@ -27,30 +27,37 @@ def name_curves(
     curves: Iterable[tuple[str, Curve]],
     *,
     crowded: bool = True,
+    together: bool = False,
     colors: Sequence[str] = (),
     avoid: np.ndarray = NOWHERE,
 ) -> np.ndarray:
     """Write each curve's name on it, where other curves and names are farthest.
 
     The limits and scales of the axes are set before. Unless ``crowded``, a name for which there is
-    no room is left away. ``avoid`` are places (n, 2) of other words and marks, in widths and
+    no room is left away. ``together``: where one would cover another or the frame none is written,
+    and ``avoid`` is returned. ``avoid`` are places (n, 2) of other words and marks, in widths and
     heights of the frame; returned are those with the places of the names.
     """
     named = [(name, _inside(ax, curve)) for name, curve in curves]
-    mark = _half_size(ax, "xx")
+    mark = half_size(ax, "xx")
     taken = [(place, mark) for place in avoid]  # where, and how large
+    written = []
     for number, (name, curve) in enumerate(named):
         if not name or len(curve) == 0:
             continue
-        size = _half_size(ax, name)
+        size = half_size(ax, name)
         others = [other for at, (_, other) in enumerate(named) if at != number and len(other)]
         inner = np.flatnonzero(((curve > size) & (curve < 1.0 - size)).all(axis=1))
+        if together and not inner.size:
+            return avoid.reshape(-1, 2)
         inner = inner if inner.size else np.arange(len(curve))
         steps = inner[:: max(1, inner.size // 80)]
         clear = _clearance(curve[steps], np.concatenate([*others, NOWHERE]), size)
         free = np.full(len(steps), np.inf)  # of other names
         for place, other in taken:
             free = np.minimum(free, _clearance(curve[steps], place[None], size + other))
+        if together and free.max() < 1.0:
+            return avoid.reshape(-1, 2)
         if min(clear.max(), free.max()) < 1.0 and not crowded:
             continue
         # a name may lie on another curve sooner than on another name
@@ -60,8 +67,9 @@ def name_curves(
         best = np.flatnonzero(clear >= min(clear.max(), 2.0))
         at = curve[steps[best[best.size // 2]]]
         taken.append((at, size))
-        color = colors[number] if colors else "black"
-        remark(ax, *_in_data(ax, at), name, color=color)
+        written.append((at, name, colors[number] if colors else "black"))
+    for at, name, color in written:
+        remark(ax, *in_data(ax, at), name, color=color)
     return np.array([place for place, _ in taken]).reshape(-1, 2)
 
 
@@ -81,7 +89,7 @@ def name_regions(
     taken = avoid.reshape(-1, 2)
     for word, inside in regions.items():
         within = places[inside.ravel()]
-        size = _half_size(ax, word)
+        size = half_size(ax, word)
         frame = np.minimum(within, 1.0 - within) / (size + MARGIN)
         clear = np.minimum(_clearance(within, lines, size), _clearance(within, taken, 2.5 * size))
         clear = np.minimum(clear, frame.min(axis=1) * 2.0)
@@ -91,7 +99,7 @@ def name_regions(
         best = within[clear >= min(clear.max(), 3.0)]
         at = best[np.argmin(np.abs(best - best.mean(axis=0)).sum(axis=1))]
         taken = np.concatenate([taken, at[None, :]])
-        remark(ax, *_in_data(ax, at), word)
+        remark(ax, *in_data(ax, at), word)
     return taken
 
 
@@ -120,12 +128,13 @@ def _inside(ax: Axes, curve: Curve) -> np.ndarray:
     return points[((points > -0.01) & (points < 1.01)).all(axis=1)]
 
 
-def _in_data(ax: Axes, place: np.ndarray) -> tuple[float, float]:
+def in_data(ax: Axes, place: np.ndarray) -> tuple[float, float]:
+    """Return a place in widths and heights of the frame as coordinates of the data."""
     across, up = (ax.transScale + ax.transLimits).inverted().transform(place)
     return float(across), float(up)
 
 
-def _half_size(ax: Axes, word: str) -> np.ndarray:
+def half_size(ax: Axes, word: str) -> np.ndarray:
     """Return half of the size of a word, in widths and heights of the frame."""
     box = ax.get_window_extent()
     points = 72.0 / ax.figure.dpi * np.array([box.width, box.height])

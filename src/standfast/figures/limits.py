@@ -2,8 +2,10 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -11,6 +13,7 @@ from standfast.atlas.reader import Atlas
 from standfast.errors import InputError
 from standfast.figures import labels, marking
 from standfast.figures.choosing import MOST_CURVES, middles, thinned
+from standfast.figures.given import atlases_in
 from standfast.figures.naming import curve_words, given_words, named, set_title
 from standfast.figures.scales import set_frame
 from standfast.figures.slicing import full_name, slice_of
@@ -49,7 +52,7 @@ class Curve:
 
 
 def limits(
-    *atlases: Atlas,
+    *atlases: Atlas | str | Path | Sequence[Atlas | str | Path],
     ax: Axes | None = None,
     at: Mapping[str, Any] | None = None,
     overlay: str | None = None,
@@ -65,7 +68,7 @@ def limits(
     Parameters
     ----------
     atlases
-        up to four, whose limits lie on the same two axes.
+        up to four, or their files, whose limits lie on the same two axes.
     ax
         where to draw (default: new axes of a figure of pyplot).
     at
@@ -87,13 +90,16 @@ def limits(
         for an unknown name, a value beyond its axis, atlases that share no plane, or a subject who
         names none of the two axes.
     """
-    studies = [atlas.study for atlas in atlases]
+    opened = atlases_in(atlases)
+    studies = [atlas.study for atlas in opened]
     cut = slice_of(studies, at)
-    plan = plan_of(atlases, cut.index, overlay)
+    plan = plan_of(opened, cut.index, overlay)
     index = {**middles(studies[0], plan.panels), **cut.index}
     subjects = marking.subjects_on(plan.axes, mark)
     ax = axes_for(ax)
-    draw_limits(ax, atlases, plan, index, subjects)
+    draw_limits(ax, opened, plan, index, subjects)
+    frame = dict(zip(plan.axes, (ax.get_xlim(), ax.get_ylim()), strict=True))
+    marking.warn_of(subjects, frame)
     x, y = (PARAMETERS[name].label for name in plan.axes)
     ax.set(xlabel=x, ylabel=y)
     values = {
@@ -118,6 +124,9 @@ def plan_of(atlases: Sequence[Atlas], index: Mapping[str, int], overlay: str | N
     if over is not None and all(plan.along != over for plan in found):
         axes = ", ".join(atlases[0].study.axes_of("stable"))
         raise InputError(f"overlay: {over} is no axis that is left to be drawn (axes: {axes})")
+    if len(atlases) > 1 and over is None:
+        # curves of each file at each value of a further axis nobody tells apart
+        found = [Plan(p.axes, None, (*p.panels, p.along) if p.along else p.panels) for p in found]
     first = found[0]
     for atlas, plan in zip(atlases[1:], found[1:], strict=True):
         if plan.axes != first.axes:
@@ -179,8 +188,21 @@ def draw_limits(
         [(curve.name, curve.region.curve) for curve in curves],
         colors=[curve.style["color"] for curve in curves] if apart else (),
         avoid=avoid,
+        together=True,
     )
+    called = [curve.name for curve in curves if curve.name and len(curve.region.curve[0])]
+    if called and len(names) == len(avoid):
+        names = np.concatenate([avoid, _name_aside(ax, called, legend=apart)])
     _name_sides(ax, [curve.region for curve in curves], names)
+
+
+def _name_aside(ax: Axes, names: Sequence[str], *, legend: bool) -> np.ndarray:
+    """Name curves beside which there is no room; return where in the frame."""
+    if legend:
+        ax.legend(loc="upper right", fontsize=mpl.rcParams["legend.fontsize"])
+        return np.array([[x, y] for x, _ in NOTED for y in (0.75, 0.85, 0.95)])
+    note(ax, f"limits: {', '.join(names)}")
+    return NOTED
 
 
 def _curves_of(atlases: Sequence[Atlas], plan: Plan, index: Mapping[str, int]) -> Iterator[Curve]:
@@ -209,6 +231,14 @@ def curves_shown(atlas: Atlas, plan: Plan, files: int) -> dict[str, set[int]]:
     """Return which values of the axis of curves are drawn of one of some atlases."""
     along = [plan.along] if plan.along in atlas.study.axes else []
     return thinned(atlas.study, along, max(2, MOST_CURVES // files))
+
+
+def values_of_curves(atlases: Sequence[Atlas], plan: Plan) -> dict[str, list[Any]]:
+    """Return the values of the axis of curves at which some are drawn."""
+    return {
+        axis: [atlases[0].study.axes[axis][i] for i in sorted(places)]
+        for axis, places in curves_shown(atlases[0], plan, len(atlases)).items()
+    }
 
 
 def _names_of_files(atlases: Sequence[Atlas]) -> list[str]:

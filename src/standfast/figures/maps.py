@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -13,6 +14,7 @@ from standfast.atlas.reader import Atlas
 from standfast.errors import InputError
 from standfast.figures import marking, painting
 from standfast.figures.choosing import MOST_CURVES, middles
+from standfast.figures.given import atlas_in
 from standfast.figures.naming import given_words, set_title
 from standfast.figures.scales import edges, set_frame
 from standfast.figures.slicing import slice_of
@@ -84,7 +86,7 @@ class Colours:
 
 
 def map_of(
-    atlas: Atlas,
+    atlas: Atlas | str | Path,
     quantity: str,
     *,
     ax: Axes | None = None,
@@ -120,6 +122,7 @@ def map_of(
         for an unknown name, a value beyond its axis, a quantity without a plane of two axes, or a
         subject who names none of the two.
     """
+    atlas = atlas_in(atlas)
     study = atlas.study
     cut = slice_of([study], at)
     layout = layout_of(atlas, quantity, cut.index)
@@ -134,6 +137,8 @@ def map_of(
     ax = axes_for(ax)
     panel = panel_of(atlas, quantity, layout, index)
     shown = draw_map(ax, study, quantity, layout, panel, colours_of(quantity, [panel]), subjects)
+    frame = dict(zip(layout.axes, (ax.get_xlim(), ax.get_ylim()), strict=True))
+    marking.warn_of(subjects, frame)
     x, y = (PARAMETERS[name].label for name in layout.axes)
     ax.set(xlabel=x, ylabel=y)
     values = {name: study.axes[name][i] for name, i in index.items()}

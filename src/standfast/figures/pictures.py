@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,7 +18,7 @@ from standfast.figures import along, limits, locus, maps, marking, style
 from standfast.figures.choosing import MOST_PANELS, left_out, places_of, thinned
 from standfast.figures.marking import Subject
 from standfast.figures.naming import given_words, in_lines, titled
-from standfast.figures.slicing import Slice
+from standfast.figures.slicing import Slice, in_a_file_name
 from standfast.parameters import PARAMETERS
 from standfast.quantities import QUANTITIES
 from standfast.thresholds.planes import finite
@@ -49,9 +50,15 @@ class Request:
         values = {name: axes[name][place] for name, place in cut if name in dims}
         return given_words([atlas.study for atlas in self.atlases], values, quantities)
 
-    def path(self, name: str) -> Path:
-        """Return the stem of a figure's files."""
-        return self.stem.with_name(f"{self.stem.name}-{name}")
+    def path(self, name: str, overlay: str | None = None) -> Path:
+        """Return the stem of a figure's files, which names the slice: none hides another."""
+        axes = {**self.atlas.study.axes}
+        for atlas in self.atlases[1:]:
+            axes |= atlas.study.axes
+        places = self.cut.index.items()
+        slices = [in_a_file_name(axis, axes[axis][place]) for axis, place in places]
+        over = [f"over-{overlay}"] if overlay else []
+        return self.stem.with_name("-".join([self.stem.name, name, *over, *slices]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,21 +71,25 @@ class Picture:
     draw: Callable[[Tick], style.Drawing]
 
 
-def limits_picture(request: Request, plan: limits.Plan) -> Picture:
-    """Lay out the limits of standing, small multiples over axes that give no curves."""
+def limits_picture(request: Request, plan: limits.Plan, overlay: str | None) -> Picture:
+    """Lay out the limits of standing, small multiples over axes that give no curves.
+
+    ``overlay`` is the axis of the curves if it was asked for.
+    """
     study = request.atlas.study
     shown = thinned(study, plan.panels, MOST_PANELS)
     places = places_of(shown)
 
     def draw(tick: Tick) -> style.Drawing:
         words, heading = _titles(request, plan.panels, places), request.heading()
-        marked, said = _placed(request, plan.axes, shown)
+        lines = limits.values_of_curves(request.atlases, plan)
+        marked, said = _placed(request, plan.axes, shown, lines)
         with _small_multiples(plan.axes, words, shown, heading, 3.1) as (figure, panes):
             for ax, place, subjects in zip(panes, places, marked, strict=False):
                 index = {**request.cut.index, **place}
                 limits.draw_limits(ax, request.atlases, plan, index, subjects)
                 tick()
-            paths = style.save(figure, request.path("limits"), request.formats)
+            paths = style.save(figure, request.path("limits", overlay), request.formats)
         drawn = limits.curves_shown(request.atlas, plan, len(request.atlases))
         return style.Drawing(paths, _sentence([left_out(study, {**shown, **drawn}), *said]))
 
@@ -120,6 +131,12 @@ def curves_picture(request: Request, name: str, cut: along.Cut) -> Picture:
     atlas, study = request.atlas, request.atlas.study
 
     def draw(tick: Tick) -> style.Drawing:
+        if name == "stable":  # ramps between 0 and 1
+            tick()
+            words = (
+                f"stable is 0 or 1 along {cut.along}: no figure; a critical stiffness shows where"
+            )
+            return style.Drawing([], words)
         values = np.concatenate([np.ravel(atlas[name][place]) for place in cut.places.values()])
         if np.isfinite(values).all() and np.ptp(values) <= 1e-12 * np.abs(values).max():
             tick()
@@ -174,12 +191,16 @@ def _titles(
 
 
 def _placed(
-    request: Request, axes: tuple[str, str], shown: Shown
+    request: Request,
+    axes: tuple[str, str],
+    shown: Shown,
+    curves: Mapping[str, Sequence[Any]] | None = None,
 ) -> tuple[list[list[Subject]], list[str]]:
     """Return the subjects of each panel, and what is to be said of them."""
     study, said = request.atlas.study, []
     studies = [atlas.study for atlas in request.atlases]
     held = {k: v for k, v in study.fixed.items() if all(each.fixed.get(k) == v for each in studies)}
+    known = {name for each in studies for name in (*each.fixed, *each.axes)}
     held |= {name: study.axes[name][i] for name, i in request.cut.index.items()}
     sides = {axis: [finite(each.axes[axis]) for each in studies] for axis in axes}
     frame = {axis: (min(s[0] for s in v), max(s[-1] for s in v)) for axis, v in sides.items()}
@@ -195,7 +216,7 @@ def _placed(
             continue
         there = {name: study.axes[name][i] for name, i in own.items()}
         said.append(marking.is_outside(one, frame))
-        said.append(marking.contradictions(one, {**held, **there}))
+        said.append(marking.contradictions(one, {**held, **there}, curves, known))
         for subjects, place in zip(panels, places, strict=True):
             if all(place[axis] == i for axis, i in own.items()):
                 subjects.append(one)

@@ -1,5 +1,6 @@
 """Figures of a population: who falls, what it would take, and what drives it."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import PercentFormatter
 
 from standfast.errors import InputError, nearest_name
+from standfast.figures.given import population_in
 from standfast.figures.labels import name_curves
 from standfast.figures.style import (
     BLUE,
@@ -36,11 +38,12 @@ FEWEST = 50
 TOGETHER = 2
 
 
-def risk_map(population: Population, *, ax: Axes | None = None) -> Axes:
+def risk_map(population: Population | str | Path, *, ax: Axes | None = None) -> Axes:
     """Draw the fraction unstable over height and BMI, the highest dark; return the axes.
 
     Cells of fewer than ``FEWEST`` persons are hatched, those of nobody white.
     """
+    population = population_in(population)
     ax = axes_for(ax)
     persons = _coarser(population.array("persons"))
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -73,11 +76,12 @@ def risk_map(population: Population, *, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def risk_by_multiple(population: Population, *, ax: Axes | None = None) -> Axes:
+def risk_by_multiple(population: Population | str | Path, *, ax: Axes | None = None) -> Axes:
     """Draw the fraction unstable against the multiple of the law, one curve a joint.
 
     A joint that is rigid in all persons has none. Returns the axes.
     """
+    population = population_in(population)
     ax = axes_for(ax)
     curves = {}
     for joint in ("all", *JOINTS):
@@ -104,8 +108,9 @@ def risk_by_multiple(population: Population, *, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def survival(population: Population, *, ax: Axes | None = None) -> Axes:
+def survival(population: Population | str | Path, *, ax: Axes | None = None) -> Axes:
     """Draw the share of persons whose safety factor is higher than each value; return the axes."""
+    population = population_in(population)
     ax = axes_for(ax)
     safety_factor, share = population.array("safety_factor"), population.array("survival")
     ax.axvspan(safety_factor[0], 1.0, color="0.93", zorder=0)
@@ -123,11 +128,12 @@ def survival(population: Population, *, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def standing_by_delay(population: Population, *, ax: Axes | None = None) -> Axes:
+def standing_by_delay(population: Population | str | Path, *, ax: Axes | None = None) -> Axes:
     """Draw the share of persons who stand up to each delay: of all, and by sex and age.
 
     Returns the axes.
     """
+    population = population_in(population)
     ax = axes_for(ax)
     delay, everybody = population.array("delay"), population.array("standing")
     by_both = population.array("standing_by_sex_and_age")
@@ -152,7 +158,7 @@ def standing_by_delay(population: Population, *, ax: Axes | None = None) -> Axes
     return ax
 
 
-def drivers(population: Population, output: str, *, ax: Axes | None = None) -> Axes:
+def drivers(population: Population | str | Path, output: str, *, ax: Axes | None = None) -> Axes:
     """Draw first-order and total Sobol indices, dots with 95 % intervals, a row a factor.
 
     ``output`` is ``unstable``, ``safety_factor`` or ``delay_margin``. Returns the axes.
@@ -162,6 +168,7 @@ def drivers(population: Population, output: str, *, ax: Axes | None = None) -> A
     InputError
         if the population has no such indices.
     """
+    population = population_in(population)
     known = population.summary["drivers"]
     indices = known.get(output)
     if indices is None:

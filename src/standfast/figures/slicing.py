@@ -32,9 +32,18 @@ def short_names() -> dict[str, str]:
 def full_name(where: str, given: str) -> str:
     """Return the parameter that a user means; refuse what is none."""
     names = short_names()
-    if given not in names:
+    if not isinstance(given, str) or given not in names:
         raise InputError(f"{where}: {shortened(given)} is no parameter{nearest_name(given, names)}")
     return names[given]
+
+
+def in_a_file_name(name: str, value: Any) -> str:
+    """Name a value in the name of a file: ``gravity-1.62``, ``knee-rigid``."""
+    key = PARAMETERS[name].key
+    head = key if key and short_names().get(key) == name else name
+    if isinstance(value, str):
+        return f"{head}-{value}"
+    return f"{head}-rigid" if np.isinf(value) else f"{head}-{float(value):.12g}".replace("+", "")
 
 
 def value_in(where: str, name: str, given: Any) -> float | str:
@@ -74,6 +83,8 @@ def slice_of(studies: Sequence[Study], at: Mapping[str, Any] | None, where: str 
     InputError
         for a name that is no parameter or no axis, and a value beyond its axis.
     """
+    if at is not None and not isinstance(at, Mapping):
+        raise InputError(f'{where} = {shortened(at)}; give values by name, as {{"gravity": 1.62}}')
     index: dict[str, int] = {}
     remarks: list[str] = []
     for given, wanted in (at or {}).items():
@@ -104,6 +115,12 @@ def nearest_place(where: str, name: str, axis: np.ndarray, value: float | str) -
     if math.isinf(value) and value in axis:
         return int(np.flatnonzero(axis == value)[0])
     low, high = axis[0], axis[np.isfinite(axis)][-1] if np.isfinite(axis).any() else axis[-1]
+    if value == math.inf:
+        word = "rigid" if PARAMETERS[name].or_rigid else "inf"
+        raise InputError(
+            f"{where}: {name} = {word} is not on its axis, {low:g} to {high:g} "
+            f"{PARAMETERS[name].unit}"
+        )
     if not low * (1.0 - SAME) <= value <= high * (1.0 + SAME) and not _same(low, value):
         rigid = " or inf" if np.isinf(axis[-1]) else ""
         raise InputError(
@@ -114,9 +131,9 @@ def nearest_place(where: str, name: str, axis: np.ndarray, value: float | str) -
 
 
 def _same(one: Any, other: Any) -> bool:
-    if isinstance(other, str):
-        return bool(one == other)
-    return bool(one == other or abs(one - other) <= SAME * max(abs(one), abs(other)))
+    return bool(one == other) or (
+        not isinstance(other, str) and math.isclose(one, other, rel_tol=SAME)
+    )
 
 
 def _no_axis(study: Study, name: str) -> str:

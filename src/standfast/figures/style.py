@@ -13,6 +13,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from standfast.errors import InputError, shortened
 from standfast.files import whole_file
 
 COLUMN, PAGE = 3.5, 7.0  # widths of a column and of a page of a journal, inches
@@ -36,6 +37,9 @@ STYLE: Any = {
     "ytick.direction": "out",
     "mathtext.fontset": "dejavusans",
     "savefig.dpi": 300,
+    # TrueType, in which text can be searched; journals refuse type 3
+    "pdf.fonttype": 42,
+    "ps.fonttype": 42,
     "svg.fonttype": "none",
     "svg.hashsalt": "standfast",
 }
@@ -95,7 +99,11 @@ def save(figure: Figure, stem: Path, formats: Sequence[str] = ("png", "svg")) ->
 
 def axes_for(ax: Axes | None) -> Axes:
     """Return the axes that a figure is drawn into: those given, or of a new figure of pyplot."""
-    return new_axes(1)[0] if ax is None else ax
+    if ax is None:
+        return new_axes(1)[0]
+    if not isinstance(ax, Axes):
+        raise InputError(f"ax = {shortened(ax)}; give one axes of matplotlib, as figure.subplots()")
+    return ax
 
 
 def new_axes(count: int) -> list[Axes]:
@@ -108,12 +116,20 @@ def new_axes(count: int) -> list[Axes]:
 
 
 def remark(
-    ax: Axes, x: float, y: float, text: str, *, fontsize: float | None = None, color: str = "black"
+    ax: Axes,
+    x: float,
+    y: float,
+    text: str,
+    *,
+    fontsize: float | None = None,
+    color: str = "black",
+    zorder: float = 3.0,
 ) -> None:
     """Write centred words on a white ground, so that no line runs through them."""
     ground = {"boxstyle": "square,pad=0.12", "facecolor": "white", "edgecolor": "none"}
     size = fontsize or mpl.rcParams["legend.fontsize"]
-    ax.text(x, y, text, ha="center", va="center", bbox=ground, fontsize=size, color=color)
+    look: Any = {"bbox": ground, "fontsize": size, "color": color, "zorder": zorder}
+    ax.text(x, y, text, ha="center", va="center", **look)
 
 
 def note(ax: Axes, text: str) -> None:

@@ -110,8 +110,11 @@ def checked_scalar(name: str, value: Any) -> Scalar:
         )
     if is_traced(value):
         return value
-    number = checked_number(name, in_numpy(value))
-    return number if is_typed_in(value) else value
+    plain = in_numpy(value)
+    if not is_typed_in(plain) and not hasattr(plain, "__next__"):  # a symbol, a mark
+        return value
+    number = checked_number(name, plain)
+    return number if plain is value else value
 
 
 def checked_leaf(name: str, value: Any) -> Scalar:

@@ -1,5 +1,7 @@
 """A new quantity is one function and one row, a new parameter one row; nothing else is touched."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import h5py
 import jax.numpy as jnp
 import numpy as np
@@ -144,6 +146,7 @@ def test_a_quantity_of_ones_own_by_the_public_way(tmp_path, monkeypatch):
         ({"function": 3}, "function = 3 is not a function of a person"),
         ({"unit": None}, "unit = None is not one line of text"),
         ({"dtype": "int"}, "dtype = 'int' is not one of float64, float32, uint8"),
+        ({"without": ("body",)}, "without has body, and every person has body and gravity"),
         ({"without": ("ankel_stiffness",)}, "without has 'ankel_stiffness', which is no parameter"),
     ],
 )
@@ -152,3 +155,84 @@ def test_a_wrong_quantity_gets_its_sentence(changes, sentence):
     with pytest.raises(sf.InputError, match=sentence):
         sf.add_quantity(**given)
     assert "mine" not in QUANTITIES
+
+
+GRID = {
+    "body": {"height": [1.5, 1.8], "mass": 70.0},
+    "stiffness": {"ankle": [900.0, 1200.0], "knee": 1500.0, "hip": 400.0},
+    "output": {"quantities": ["mine"]},
+}
+
+
+@pytest.fixture
+def mine():
+    yield lambda function, **more: sf.add_quantity("mine", function, unit="1", meaning="x", **more)
+    QUANTITIES.pop("mine", None)
+
+
+@pytest.mark.parametrize(
+    ("function", "more", "sentence"),
+    [
+        (lambda p: p.body.segment_mass, {}, r"mine: .* an array of shape \(3,\).* one number"),
+        (lambda p: None, {}, "mine: its function returns NoneType; it must return one number"),
+        (lambda p: "1", {}, "mine: its function returns str"),
+        (lambda p: np.array("1"), {}, "mine: its function returns an array of <U1"),
+        (lambda p: sf.modes(p.body, p.stiffness), {}, "mine: its function returns Modes"),
+        (lambda p: float(p.gravity), {}, "of mine asks for the value of a traced.*jax.numpy"),
+        (lambda p: 1.0 if p.gravity > 9 else 0.0, {}, "of mine asks for the value"),
+        (lambda p: np.sin(p.stiffness.ankle), {}, "of mine asks for the value"),
+        (lambda p: p.gravity * 1j, {}, "mine: its function returns a complex number"),
+        (lambda p: -1.5, {"dtype": "uint8"}, "mine: its function returns float64, and dtype uint8"),
+        (lambda p: p.nobody, {}, "the function of mine raises AttributeError"),
+        (lambda p: 2.0 * p.stiffness.ankle, {"without": ("ankle_stiffness",)},
+         "of mine raises TypeError: .*it is given no ankle_stiffness, which without names"),
+    ],
+)  # fmt: skip
+def test_a_function_that_gives_no_number_is_refused_before_anything_is_stored(
+    mine, tmp_path, function, more, sentence
+):
+    mine(function, **more)
+    with pytest.raises(sf.InputError, match=sentence):
+        sf.sweep(GRID, tmp_path / "a.h5")
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(sf.InputError, match=sentence):
+        sf.compute(GRID)
+
+
+def test_a_function_of_two_is_refused(mine):
+    with pytest.raises(sf.InputError, match="of mine cannot be called with a person alone"):
+        mine(lambda body, stiffness: 1.0)
+    assert "mine" not in QUANTITIES
+
+
+def test_truth_values_and_whole_numbers_are_stored(mine):
+    mine(lambda p: p.stiffness.ankle > 1000.0, dtype="uint8", without=("hip_stiffness",))
+    assert sf.compute(GRID).mine.values.tolist() == [[0, 1], [0, 1]]
+
+
+def test_a_name_keeps_its_function(mine):
+    """A file would not tell the two apart; the same lines run again are the same function."""
+    one, again, other = (eval(f"lambda p: {number}") for number in (1.0, 1.0, 2.0))  # noqa: S307
+    mine(one)
+    mine(again)
+    with pytest.raises(sf.InputError, match="mine has been added with another function"):
+        mine(other)
+    assert QUANTITIES["mine"].reference is again
+
+
+def test_where_it_is_not_known_its_atlas_says_so(mine, tmp_path):
+    mine(lambda p: p.gravity)
+    atlas = sf.sweep(GRID, tmp_path / "a.h5")
+    del QUANTITIES["mine"]
+    with pytest.raises(sf.InputError, match=r"'mine' is no quantity of standfast.*sf.add_quantity"):
+        sf.open_atlas(atlas.path)
+
+
+def test_workers_of_an_executor_do_not_know_it(mine, tmp_path):
+    mine(lambda p: p.gravity)
+    with (
+        ThreadPoolExecutor(1) as executor,
+        pytest.raises(sf.InputError, match="mine is a quantity of your own, which workers"),
+    ):
+        sf.sweep(GRID, tmp_path / "a.h5", executor=executor)
+    assert list(tmp_path.iterdir()) == []

@@ -12,7 +12,7 @@ import numpy as np
 
 from standfast.anthropometry.tables import DE_LEVA, WINTER, SegmentRow, upper_body
 from standfast.errors import InputError, says_its_arguments
-from standfast.numerics.arrays import Array, Scalar, namespace
+from standfast.numerics.arrays import Array, Scalar, in_numpy, is_of_jax, is_traced, namespace
 from standfast.parameters import (
     OWN_BODY,
     PARAMETERS,
@@ -24,6 +24,7 @@ from standfast.parameters import (
     checked_number,
     checked_scalar,
     is_typed_in,
+    is_written,
 )
 
 
@@ -48,8 +49,9 @@ class Body(_BodyFields):
     segment_com : (3,), m
         centre of mass above the lower end: ankle, knee, hip.
 
-    Numbers and lists of numbers are checked. Arrays of JAX pass unseen, because a value that is
-    being traced cannot be looked at, and so do arrays with an axis more, the bodies of a batch.
+    Numbers and lists of numbers are checked. Arrays of JAX pass, because JAX keeps in bodies also
+    what is none, as slopes: the functions that are given a body check them, but for values that are
+    being traced. Arrays with an axis more, the bodies of a batch, pass too.
 
     Raises
     ------
@@ -65,7 +67,9 @@ class Body(_BodyFields):
     ) -> "Body":
         """Check every plain value and keep it as a read-only float64 array."""
         parts = (segment_mass, segment_inertia, segment_length, segment_com)
-        return super().__new__(cls, *map(_checked_segments, cls._fields, parts, (3, 3, 2, 3)))
+        if any(part is None for part in parts) and not any(map(is_typed_in, parts)):
+            return super().__new__(cls, *parts)  # None alone is a mark of a program
+        return super().__new__(cls, *map(checked_segments, cls._fields, parts, (3, 3, 2, 3)))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Body) and all(map(np.array_equal, self, other))
@@ -101,8 +105,8 @@ class Body(_BodyFields):
         """
         reference = REFERENCE_PEOPLE[checked_choice("body_model", model)]
         size = {"height": checked_scalar("height", height), "mass": checked_scalar("mass", mass)}
-        if all(map(is_typed_in, size.values())):
-            check_bmi("mass", **size)
+        if not is_traced(*size.values()):
+            check_bmi("mass", **{name: float(value) for name, value in size.items()})
         return body_of({"body_model": reference, **size})
 
 
@@ -181,9 +185,10 @@ def _in_kg_cm2(inertia: float, mass: float, length: float) -> str:
     return f"; in kg·cm²? write {1e-4 * inertia:g}" if likely else ""
 
 
-def _checked_segments(name: str, values: Any, count: int) -> Array:
-    of_a_program = not is_typed_in(values) and not isinstance(values, np.ndarray)
-    if of_a_program or (isinstance(values, np.ndarray) and values.ndim > 1):
+def checked_segments(name: str, values: Any, count: int) -> Array:
+    """Check the numbers of one person's segments; let those of programs and of a batch pass."""
+    values = values if is_of_jax(values) else in_numpy(values)
+    if not is_written(values) or (isinstance(values, np.ndarray) and values.ndim > 1):
         return values
     row = SEGMENT_PARAMETERS[name]
     segments = ("shank", "thigh", "upper body")[:count]

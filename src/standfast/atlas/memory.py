@@ -7,6 +7,7 @@ import numpy as np
 
 from standfast.atlas.layout import file_attributes, parameter_attributes, quantity_attributes
 from standfast.engine.grid import Evaluator
+from standfast.engine.own import check_own
 from standfast.errors import InputError
 from standfast.run.machine import cores
 from standfast.study.grid import Tile
@@ -34,13 +35,15 @@ def compute(study: GivenStudy, *, threads: int | None = None) -> "xarray.Dataset
     Raises
     ------
     InputError
-        if xarray is not installed (the extra ``standfast[xarray]``).
+        if xarray is not installed (the extra ``standfast[xarray]``), or a quantity of one's own is
+        not one number a person.
     """
     try:
         import xarray  # noqa: PLC0415 - an extra
     except ImportError:
         raise InputError("compute needs xarray: pip install 'standfast[xarray]'") from None
     study = Study.of(study)
+    check_own(study)
     evaluate = Evaluator(study)
     arrays = {
         name: np.empty(group.shape, group.dtype)

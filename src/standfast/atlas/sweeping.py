@@ -12,6 +12,7 @@ from standfast.atlas.opening import open_atlas
 from standfast.atlas.reader import Atlas
 from standfast.atlas.writer import EncodedTile, read_chunks, write_atlas, write_chunks
 from standfast.engine.grid import Evaluator
+from standfast.engine.own import check_own, own_quantities
 from standfast.errors import InputError
 from standfast.files import checked_path
 from standfast.run.computing import Task
@@ -76,14 +77,22 @@ def sweep(
     Raises
     ------
     InputError
-        if the output belongs to another study or another run, or the study does not fit the disk.
+        if the output belongs to another study or another run, the study does not fit the disk, or
+        a quantity of one's own is not one number a person, or is sent to an executor.
     OSError
         if the disk fills up after all, or workers fail again and again; what is done stays and the
         same call goes on.
     """
     options = checked_options(part, threads, progress, estimate, executor)
     path = checked_path("output", output)
-    return run_job(_Sweep(Study.of(study)), path, part, options)
+    study = Study.of(study)
+    check_own(study)
+    if executor is not None and (own := own_quantities(study)):
+        raise InputError(
+            f"{own[0]} is a quantity of your own, which workers of an executor do not know; "
+            "leave out executor (part = (i, N) shares a sweep among programs that add it)"
+        )
+    return run_job(_Sweep(study), path, part, options)
 
 
 def sweep_shards(

@@ -14,7 +14,7 @@ from standfast.anthropometry.body import Body
 from standfast.errors import InputError, says_its_arguments, shortened
 from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import joint_inertia, stiffness_rows
-from standfast.numerics.arrays import Array, Matrix, Scalar, namespace
+from standfast.numerics.arrays import Array, Matrix, Scalar, in_numpy, is_of_jax, namespace
 from standfast.parameters import (
     DAMPINGS,
     JOINTS,
@@ -25,6 +25,7 @@ from standfast.parameters import (
     checked_scalar,
     gain_name,
     is_typed_in,
+    is_written,
 )
 
 NONE = (0.0, 0.0, 0.0)
@@ -71,6 +72,11 @@ class Feedback(_FeedbackFields):
     @says_its_arguments()
     def __new__(cls, proportional: Any, derivative: Any = NONE, delay: Any = 0.0) -> "Feedback":
         """Check every plain value and keep the gains as read-only float64 matrices."""
+        parts = (proportional, derivative, delay)
+        if any(part is None for part in parts) and not any(map(is_typed_in, parts)):
+            return super().__new__(cls, *parts)  # None alone is a mark of a program
+        if delay is None:
+            checked_scalar("feedback_delay", delay)
         gains = (("proportional", proportional), ("derivative", derivative))
         p, d = (_matrix(f"{kind} gains", values, _gain_of(kind)) for kind, values in gains)
         return super().__new__(cls, p, d, checked_leaf("feedback_delay", delay))
@@ -98,12 +104,15 @@ def checked_feedback(feedback: Any) -> Feedback:
             "write Feedback(proportional=…, derivative=…, delay=…)"
         )
     for kind in ("proportional", "derivative"):
-        shape = np.shape(getattr(feedback, kind))
+        values = getattr(feedback, kind)
+        shape = np.shape(values)
         if shape != (3, 3):
             raise InputError(
                 f"{kind} gains have the shape {shape}, not (3, 3); "
                 "one person at a time, or map over them with jax.vmap"
             )
+        if is_of_jax(values):  # others were checked when the feedback was made
+            _matrix(f"{kind} gains", in_numpy(values), _gain_of(kind))
     checked_scalar("feedback_delay", feedback.delay)
     return feedback
 
@@ -118,7 +127,7 @@ def checked_damping(damping: Any) -> Array:
     InputError
         for another shape, NaN, or a matrix that is not symmetric or puts energy in.
     """
-    matrix = _matrix("damping", NONE if damping is None else damping, _damping_of)
+    matrix = _matrix("damping", NONE if damping is None else in_numpy(damping), _damping_of)
     if np.shape(matrix) == (3,):  # three numbers that are being traced
         matrix = namespace(matrix).diag(matrix)
     if np.shape(matrix) != (3, 3):
@@ -193,7 +202,8 @@ def _damping_of(moment: str, rotation: str) -> str:
 
 def _matrix(what: str, values: Any, name_of: Callable[[str, str], str]) -> Array:
     """Check three numbers or a matrix, and return a matrix; let those of programs pass."""
-    if not is_typed_in(values) and not isinstance(values, np.ndarray):
+    values = values if is_of_jax(values) else in_numpy(values)
+    if not is_written(values):
         return values
     if isinstance(values, np.ndarray) and values.ndim > 2:
         return values

@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from standfast.anthropometry.body import Body
+from standfast.anthropometry.body import Body, checked_segments
 from standfast.errors import InputError, says_its_arguments, shortened
-from standfast.numerics.arrays import Scalar, Vector, namespace
+from standfast.numerics.arrays import Scalar, Vector, in_numpy, is_of_jax, namespace
 from standfast.parameters import COUPLINGS, STIFFNESSES, checked_leaf, checked_scalar, is_typed_in
 
 NAMES = (*STIFFNESSES, *COUPLINGS)
@@ -103,6 +103,8 @@ def checked_body(body: Body) -> None:
                 f"{name} has the shape {np.shape(values)}, not {shape}; "
                 "one person at a time, or map over them with jax.vmap"
             )
+        if is_of_jax(values):  # others were checked when the body was made
+            checked_segments(name, in_numpy(values), *shape)
 
 
 def checked_person(body: Body, stiffness: Stiffness, gravity: Scalar) -> Any:

@@ -17,7 +17,7 @@ from standfast.anthropometry.body import Body
 from standfast.errors import InputError, shortened
 from standfast.mechanics.joints import Stiffness, checked_body, checked_person
 from standfast.mechanics.matrices import coupling_rows, gravity_loads, segment_inertia
-from standfast.numerics.arrays import Array, Scalar, Vector, namespace
+from standfast.numerics.arrays import Array, Scalar, Vector, in_numpy, is_traced, namespace
 from standfast.numerics.vectors import dot
 from standfast.parameters import JOINTS, STANDARD_GRAVITY
 
@@ -118,10 +118,20 @@ def joint_moments(
 
 
 def _check_turns(**turns: Vector) -> None:
-    """Refuse a motion that is not of three joints."""
+    """Refuse a motion that is not of three joints, or not of finite numbers where it has them."""
     for name, values in turns.items():
-        if not hasattr(values, "__len__") or len(values) != len(JOINTS):
+        three = hasattr(values, "__len__") and len(values) == len(JOINTS)
+        if not three or not all(map(_is_finite, in_numpy(values))):
             raise InputError(f"{name} = {shortened(values)} is not three numbers: ankle, knee, hip")
+
+
+def _is_finite(value: Any) -> bool:
+    if is_traced(value):
+        return True
+    number = np.asarray(value)
+    if number.dtype == object:  # a symbol, which can be calculated with
+        return hasattr(value, "__mul__")
+    return number.dtype.kind in "iuf" and bool(np.isfinite(number).all())
 
 
 def _spring_moments(xp: Any, stiffness: Stiffness, rotation: Vector) -> list[Scalar]:

@@ -7,6 +7,7 @@ from standfast.parameters.border import (
     checked_number,
     checked_scalar,
     is_typed_in,
+    is_written,
     number_in,
 )
 from standfast.parameters.table import (
@@ -56,6 +57,7 @@ __all__ = [
     "checked_scalar",
     "gain_name",
     "is_typed_in",
+    "is_written",
     "label",
     "number_in",
 ]

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from standfast.errors import InputError, nearest_name, shortened
-from standfast.numerics.arrays import Scalar
+from standfast.numerics.arrays import Scalar, in_numpy, is_traced
 from standfast.parameters.table import PARAMETERS, Parameter
 
 DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
@@ -116,19 +116,34 @@ def _likely(row: Parameter, number: float) -> str:
 
 
 def checked_scalar(name: str, value: Any) -> Scalar:
-    """Check a parameter of one person: one number in its range, or one that is being traced."""
+    """Check a parameter of one person: one number in its range, or one that is being traced.
+
+    An array of JAX that has its number is checked like a float, and comes back as it is.
+    """
     if value is None or np.shape(value) != ():
         shape = "None" if value is None else f"an array of shape {np.shape(value)}"
         raise InputError(
             f"{name} is {shape}; give one number, {PARAMETERS[name].allowed}, "
             "or map over many with jax.vmap"
         )
-    return checked_leaf(name, value)
+    if is_traced(value):
+        return value
+    plain = in_numpy(value)
+    if not is_typed_in(plain) and not hasattr(plain, "__next__"):  # a symbol, a mark
+        return value
+    number = checked_number(name, plain)
+    return number if plain is value else value
 
 
 def checked_leaf(name: str, value: Any) -> Scalar:
     """Check a parameter if it was typed in; let the leaves of a pytree pass."""
     return checked_number(name, value) if is_typed_in(value) else value
+
+
+def is_written(values: Any) -> bool:
+    """Return whether what should be several numbers is of a person, as against of a program."""
+    one_by_one = values is None or hasattr(values, "__next__")
+    return one_by_one or is_typed_in(values) or isinstance(values, np.ndarray)
 
 
 def is_typed_in(value: Any) -> bool:

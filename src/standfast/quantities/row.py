@@ -62,7 +62,8 @@ class Quantity:
 
     ``fed_back`` answers it for persons with delayed feedback (:class:`.delay.answers.FedBack`), in
     studies that have gains; a quantity without ``reference`` is found that way in every study.
-    ``of_one_joint`` finds it in closed form where two joints are rigid throughout a study.
+    ``of_one_joint`` finds it in closed form where two joints are rigid throughout a study. ``own``
+    is one that a user added.
     """
 
     name: str
@@ -78,6 +79,7 @@ class Quantity:
     flags: tuple[str, ...] = ()
     fed_back: Callable[[FedBack], np.ndarray] | None = None
     of_one_joint: Callable[[Person], Scalar] | None = None
+    own: bool = False
 
     @property
     def label(self) -> str:

@@ -104,7 +104,14 @@ class Study:
             for name, value in given.items()
         }
         values.check_complete(parameters)
-        wanted = values.checked_quantities({"quantities": content["quantities"]})
+        names = content["quantities"]
+        for name in names if isinstance(names, list) else ():
+            if isinstance(name, str) and name.isidentifier() and name not in QUANTITIES:
+                raise InputError(
+                    f"{shortened(name)} is no quantity of standfast but one of somebody's own; "
+                    "call sf.add_quantity with it first (xarray reads the file without it)"
+                )
+        wanted = values.checked_quantities({"quantities": names})
         study = cls(values.checked_title(content), parameters, wanted)
         study.check_size()
         return study

@@ -98,8 +98,7 @@ def limits(
     subjects = marking.subjects_on(plan.axes, mark)
     ax = axes_for(ax)
     draw_limits(ax, opened, plan, index, subjects)
-    frame = dict(zip(plan.axes, (ax.get_xlim(), ax.get_ylim()), strict=True))
-    marking.warn_of(subjects, frame)
+    marking.warn_of(ax, subjects, plan.axes)
     x, y = (PARAMETERS[name].label for name in plan.axes)
     ax.set(xlabel=x, ylabel=y)
     values = {

@@ -122,8 +122,7 @@ def map_of(
         for an unknown name, a value beyond its axis, a quantity without a plane of two axes, or a
         subject who names none of the two.
     """
-    atlas = atlas_in(atlas)
-    study = atlas.study
+    study = (atlas := atlas_in(atlas)).study
     cut = slice_of([study], at)
     layout = layout_of(atlas, quantity, cut.index)
     if layout is None:
@@ -137,8 +136,7 @@ def map_of(
     ax = axes_for(ax)
     panel = panel_of(atlas, quantity, layout, index)
     shown = draw_map(ax, study, quantity, layout, panel, colours_of(quantity, [panel]), subjects)
-    frame = dict(zip(layout.axes, (ax.get_xlim(), ax.get_ylim()), strict=True))
-    marking.warn_of(subjects, frame)
+    marking.warn_of(ax, subjects, layout.axes)
     x, y = (PARAMETERS[name].label for name in layout.axes)
     ax.set(xlabel=x, ylabel=y)
     values = {name: study.axes[name][i] for name, i in index.items()}

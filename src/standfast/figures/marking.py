@@ -165,8 +165,9 @@ def subjects_in(path: Path) -> tuple[list[Subject], str]:
     return found, f"{path}: not used: {', '.join(others)}" if others else ""
 
 
-def warn_of(subjects: Sequence[Subject], frame: Mapping[str, tuple[float, float]]) -> None:
+def warn_of(ax: Axes, subjects: Sequence[Subject], axes: tuple[str, str]) -> None:
     """Warn of subjects who lie outside of the axes that are drawn for a caller in Python."""
+    frame = dict(zip(axes, (ax.get_xlim(), ax.get_ylim()), strict=True))
     for one in subjects:
         if words := is_outside(one, frame):
             warnings.warn(words, UserWarning, stacklevel=3)

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 from standfast.cli.assess_text import HELP_OF_COLUMNS, print_assessment, summary_of
 from standfast.cli.parsing import add_command, add_file_option, made_room, output_file
-from standfast.cli.rejected import write_rejected
-from standfast.cli.strata_table import WORDS, rows_of_assessment, write_strata
+from standfast.cli.rejected import HEADER as OF_REJECTED
+from standfast.cli.rejected import rejected_path, write_rejected
+from standfast.cli.strata_table import OF_ASSESSMENT, WORDS, rows_of_assessment, write_strata
 from standfast.errors import InputError
+from standfast.files import require_replaceable
 from standfast.parameters import (
     JOINTS,
     PARAMETERS,
@@ -120,7 +122,7 @@ def _assess(options: argparse.Namespace) -> None:
     summary = summary_of(found, bands)
     written = [output, *write_rejected(summary["rejected"], output)]
     if options.csv:
-        write_strata(list(rows_of_assessment(summary["strata"])), options.csv)
+        write_strata(list(rows_of_assessment(summary["strata"])), options.csv, OF_ASSESSMENT)
         written.append(options.csv)
     if options.json:
         print(json.dumps(summary, ensure_ascii=False))
@@ -130,16 +132,25 @@ def _assess(options: argparse.Namespace) -> None:
 
 
 def _output_of(options: argparse.Namespace) -> Path:
-    """Return the file that is written; refuse to write over the people or the other table."""
+    """Return the file that is written; refuse to write over the people, or any but its like."""
+    from standfast.population.assessed import HEADER
+    from standfast.population.people.decoding import STANDARD_INPUT
+
     first = options.people[0]
     name = "people" if str(first) == "-" else first.stem
     output = output_file(options.output, f"{name}-assessed.csv")
-    written = [output, *([options.csv] if options.csv else [])]
-    for path in written:
+    tables = [(output, HEADER), (rejected_path(output), OF_REJECTED)]
+    tables += [(options.csv, OF_ASSESSMENT)] if options.csv else []
+    for path, _ in tables:
+        if str(path) == STANDARD_INPUT:
+            raise InputError("- is no file, and tables are written to files; give a name, as t.csv")
         if os.path.realpath(path) in map(os.path.realpath, options.people):
             raise InputError(f"{path} is the file of people itself; choose another output")
-    if len({os.path.realpath(path) for path in written}) < len(written):
-        raise InputError(f"{output} cannot be both -o and --csv; choose two names")
+    if len({os.path.realpath(path) for path, _ in tables}) < len(tables):
+        what = "-o" if options.csv != rejected_path(output) else "the file of rejected rows"
+        raise InputError(f"{options.csv} cannot be both {what} and --csv; choose two names")
+    for path, header in tables:
+        require_replaceable(path, header)
     return output
 
 

@@ -5,15 +5,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from standfast.files import for_spreadsheets, whole_file
+from standfast.files import for_spreadsheets, whole_table
 from standfast.population.people.classes import STRATA
 
 WORDS = "write a table of all strata, one line a class: persons, fraction unstable, interval"
+# How the first lines of both tables begin, by which they are known again.
+OF_POPULATION = "stratum,class,unit_of_class,persons_simulated"
+OF_ASSESSMENT = "stratum,class,unit_of_class,persons"
 
 
-def write_strata(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
-    """Write rows of one and the same columns, whole or not at all."""
-    with whole_file(path) as partial, partial.open("w", encoding="utf-8", newline="") as file:
+def write_strata(rows: Sequence[Mapping[str, Any]], path: Path, header: str) -> None:
+    """Write rows of one and the same columns, the first as in ``header``, whole or not at all."""
+    with whole_table(path, header) as file:
         table = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
         table.writeheader()
         table.writerows({name: _entry(value) for name, value in row.items()} for row in rows)

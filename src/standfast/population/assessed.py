@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from standfast.files import for_spreadsheets, whole_file
+from standfast.files import for_spreadsheets, whole_table
 from standfast.parameters import JOINTS
 from standfast.population.people.classes import (
     BMI_CLASSES,
@@ -27,6 +27,14 @@ from standfast.population.summary.estimators import wilson
 
 HAIR = 1e-9  # is added, so that a value right at a limit lies above it
 SHARES = (0.05, 0.5, 0.95)
+# How the first line of a table of persons begins, by which it is known again.
+HEADER = ",".join(
+    (
+        "id", "height_m", "mass_kg", "sex", "age",
+        *(f"{joint}_stiffness_Nm_rad" for joint in JOINTS),
+        *(f"{joint}_threshold_alone_Nm_rad" for joint in JOINTS),
+    )
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -125,7 +133,7 @@ def _verdicts(words: np.ndarray, suffix: str) -> dict[str, Any]:
 def write_assessment(assessment: Assessment, path: Path) -> None:
     """Write one line a person, whole or not at all: what was found, then the files' own columns."""
     columns = {**assessment.columns, **assessment.own}
-    with whole_file(path) as partial, partial.open("w", encoding="utf-8", newline="") as file:
+    with whole_table(path, HEADER) as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(map(for_spreadsheets, columns))
         for row in zip(*columns.values(), strict=True):

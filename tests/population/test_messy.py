@@ -150,7 +150,7 @@ def test_ages_that_are_not_known_or_none(tmp_path):
             age_of(entry)
     people = read(tmp_path, "height,mass,age\n1.7,70,80+\n1.6,60,90 and over\n1.8,80,30\n")
     assert people.age.tolist() == [80.0, 90.0, 30.0]
-    assert people.remarks == ("2 ages such as 80+ are taken as the lowest, 80",)
+    assert people.remarks == ("2 ages such as 80+ are taken as the lowest, 80 and 90",)
 
 
 def test_neither_male_nor_female_is_a_class_of_its_own(tmp_path):

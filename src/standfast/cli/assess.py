@@ -107,6 +107,7 @@ def _assess(options: argparse.Namespace) -> None:
             options.people,
             strict=options.strict,
             selected=selection(options.sex, options.age, "--age"),
+            selected_by=[name for name in ("sex", "age") if getattr(options, name) is not None],
             keep_own=True,
         )
         stop_if_asked()

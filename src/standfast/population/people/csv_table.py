@@ -209,9 +209,15 @@ def _numbered_sex(
     """Say how numbers are read as a sex, but where NHANES is known by the column's name."""
     if "sex" not in columns or _normal(header[columns["sex"][0]]) == "riagendr":
         return ()
-    if not any(is_numbered(row["sex"]) for row in rows):
+    numbers = {row["sex"].removesuffix(".0") for row in rows if is_numbered(row["sex"])}
+    if not numbers:
         return ()
-    return ("sex is given by numbers: 1 is read as male and 2 as female",)
+    words = "sex is given by numbers: 1 is read as male and 2 as female"
+    if unknown := sorted(numbers & {"0", "9"}):
+        words += f", {' and '.join(unknown)} as not known"
+    if "0" in numbers and "2" not in numbers:
+        words += "; there is no 2, so if 0 is a sex here write words"
+    return (words,)
 
 
 def _normal(name: str) -> str:

@@ -84,12 +84,17 @@ def repeated_ids(table: Table) -> list[str]:
     repeated = {key: places for key, places in lines.items() if len(places) > 1}
     if not repeated:
         return []
-    told = [
-        f"{key!r} on lines {', '.join(map(str, places[:MOST_TOLD]))}"
-        + (", …" if len(places) > MOST_TOLD else "")
-        for key, places in list(repeated.items())[:MOST_TOLD]
-    ]
-    more = f", and {len(repeated) - MOST_TOLD:,} more" if len(repeated) > MOST_TOLD else ""
     count = f"{len(repeated):,} ids are" if len(repeated) > 1 else "one id is"
-    words = f"{count} there more than once, each row taken as a person: {'; '.join(told)}{more}"
+    words = f"{count} there more than once, each row taken as a person: {on_lines(repeated)}"
     return [f"{table.name}: {words}"]
+
+
+def on_lines(places: Mapping[str, Sequence[int]]) -> str:
+    """Return the first of some entries, each with the first of the lines that it stands on."""
+    told = [
+        f"{entry!r} on line{'s' * (len(lines) > 1)} {', '.join(map(str, lines[:MOST_TOLD]))}"
+        + (", …" if len(lines) > MOST_TOLD else "")
+        for entry, lines in list(places.items())[:MOST_TOLD]
+    ]
+    more = f", and {len(places) - MOST_TOLD:,} more" if len(places) > MOST_TOLD else ""
+    return f"{'; '.join(told)}{more}"

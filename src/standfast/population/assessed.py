@@ -107,7 +107,9 @@ class Assessment:
         for suffix, name in verdicts.items():
             if name in self.columns:
                 found |= _verdicts(self.columns[name][chosen], suffix)
-        for name in ("safety_factor", *(f"{joint}_threshold_alone_Nm_rad" for joint in JOINTS)):
+        of_joints = (f"{joint}_threshold_alone_Nm_rad" for joint in JOINTS)
+        of_delay = ("critical_delay_s",) if "critical_delay_s" in self.columns else ()
+        for name in ("safety_factor", *of_joints, *of_delay):
             values = self.columns[name][chosen]
             values = values[~np.isnan(values)]
             with np.errstate(invalid="ignore"):  # between infinite ones

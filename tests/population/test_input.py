@@ -258,7 +258,11 @@ def test_one_bad_row_among_thousands_is_left_out_and_told(tmp_path):
         ("height,mass\n1.7,nan\n", "line 2: no mass"),
         ("height,mass,weight\n1.7,70,-1\n", "line 2: weight = -1 is outside the allowed range"),
         ("height,mass,weight\n1.7,70,0\n", "the weights of all usable rows are 0"),
-        ("height,height_cm,mass\n1,2,3\n", "the columns 'height' and 'height_cm' both hold height"),
+        ("height,height_m,mass\n1,2,3\n", "the columns 'height' and 'height_m' both hold height"),
+        (
+            "height,height_cm,mass\n1.7,150,70\n",
+            "line 2: two of height: 1.7 in 'height' and 1.5 in",
+        ),
         ("height,mass\n1.7,8_0\n", "line 2: mass = '8_0' is text"),
         ("height,mass\n1.7,８０\n", "line 2: mass = '８０' is text"),
         ("height_cm,mass\n17_0,70\n", "line 2: height = '17_0' is text"),

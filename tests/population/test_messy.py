@@ -128,6 +128,34 @@ def test_units_of_america_are_made_si(tmp_path, header, row, height, mass):
     assert people.mass[0] == pytest.approx(mass, rel=1e-12)
 
 
+def test_metric_and_imperial_columns_of_one_file_each_fill_some_rows(tmp_path):
+    people = read(
+        tmp_path,
+        "id,height_cm,height_in,weight_kg,weight_lb\nA,175,,70,\nB,,70,NA,165\nC,178,70,75,165\n"
+        'D,175,70,75,\nE,175,,75,150\nF,,,70,\nG,,"70,5",,165\nH,-178,70,75,\nI,abc,70,75,\n',
+    )
+    assert people.id == ("A", "B", "C", "G")
+    assert people.height.tolist() == pytest.approx([1.75, 1.778, 1.78, 70.5 * 0.0254])
+    pounds = 165 * 0.45359237
+    assert people.mass.tolist() == pytest.approx([70.0, pounds, 75.0, pounds])
+    assert [str(each) for each in people.rejected] == [
+        "people.csv, line 5: two of height: 1.75 in 'height_cm' and 1.778 in 'height_in', made m; "
+        "they differ by more than 1 %",
+        "people.csv, line 6: two of mass: 75 in 'weight_kg' and 68.04 in 'weight_lb', made kg; "
+        "they differ by more than 1 %",
+        "people.csv, line 7: no height",
+        "people.csv, line 9: two of height: -1.78 in 'height_cm' and 1.778 in 'height_in', made m; "
+        "they differ by more than 1 %",
+        "people.csv, line 10: height = 'abc' is text; give a number, 0.5 to 2.8 m",
+    ]
+
+
+def test_bytes_of_windows_are_its_letters_and_else_of_latin_1(tmp_path):
+    row = "Šimon – 5 €,1.7,70\n".encode("cp1252") + b"\x81\xfc,1.6,60\n"
+    people = read(tmp_path, b"id,height,mass\n" + row)
+    assert people.id == ("Šimon – 5 €", "\x81ü")
+
+
 @pytest.mark.parametrize(
     ("entry", "age"),
     [

@@ -1,5 +1,6 @@
 """Files of people: columns found by their names, units made SI, every line kept apart."""
 
+import contextlib
 import difflib
 import re
 from collections.abc import Mapping, Sequence
@@ -19,7 +20,7 @@ from standfast.parameters import (
 )
 from standfast.population.people.decimals import Comma, both_readings, comma_of, plain_number
 from standfast.population.people.decoding import Row, called, text_of
-from standfast.population.people.words import AGE, is_numbered
+from standfast.population.people.words import AGE, is_nothing, is_numbered
 
 # What may have been measured of a person.
 MEASURABLE = (*STIFFNESSES, *DAMPINGS, "feedback_delay", *GAINS, *OWN_BODY)
@@ -59,9 +60,12 @@ NAMES: Mapping[tuple[str, float], str] = {
 }
 COLUMNS = {name: holds for holds, names in NAMES.items() for name in names.split()}
 
-# By what it holds, the place of a column in each row, and how many of its units are one of SI.
-Columns: TypeAlias = dict[str, tuple[int, float]]
+# By what it holds, the places of its columns in each row, with how many of its units are one of SI:
+# several of height or mass, if each is in another unit.
+Columns: TypeAlias = dict[str, list[tuple[int, float]]]
 
+# What height or mass in two units may differ by, relative, as both are rounded.
+ALIKE = 0.01
 
 MOST_COLUMNS = 5000
 WEIGHT = Parameter("weight", "", "1", "weight of the record", 0.0, 1e12)
@@ -104,27 +108,30 @@ def read_table(path: Path, *, keep_own: bool = False) -> Table:
         raise InputError(f"{path} has a header and no rows; give one line a person")
     entries = [_entries(path, columns, *line) for line in lines]
     numbers = [f for f in columns if f not in WORDS]
-    comma = comma_of((row[f] for row in entries for f in numbers), text.separator)
+    comma = comma_of((each for row in entries for f in numbers for each in row[f]), text.separator)
     refused = _too_long(header, lines)
+    rows = []
     for (_, last, _), row in zip(lines, entries, strict=True):
+        plain = {f: row[f][0] for f in columns if f in WORDS}
         for f in numbers:
-            place, factor = columns[f]
-            if (plain := _plain(row[f], comma, RANGES.get(f), factor)) is None:
-                refused.setdefault(
-                    last,
-                    f"the column {header[place]!r} has {row[f]!r}, which may be "
-                    f"{both_readings(row[f])}; write one of them",
-                )
-            else:
-                row[f] = plain if factor == 1.0 else _in_si(plain, factor)
-    taken = {place for place, _ in columns.values()}
+            try:
+                plain[f] = _one_number(header, f, columns[f], row[f], comma)
+            except InputError as error:
+                plain[f] = row[f][0]
+                refused.setdefault(last, str(error))
+        rows.append((last, plain))
+    taken = {place for places in columns.values() for place, _ in places}
     own = [n for n in range(len(header)) if n not in taken and header[n].strip()] * keep_own
     return Table(
         name,
         tuple(header),
         columns,
-        [(last, row) for (_, last, _), row in zip(lines, entries, strict=True)],
-        (*text.remarks, *_misspelt(header, columns), *_numbered_sex(header, columns, entries)),
+        rows,
+        (
+            *text.remarks,
+            *_misspelt(header, columns),
+            *_numbered_sex(header, columns, [row for _, row in rows]),
+        ),
         _each_once([header[n].strip() for n in own]),
         [tuple(row[n].strip() if n < len(row) else "" for n in own) for _, _, row in lines],
         refused,
@@ -133,15 +140,55 @@ def read_table(path: Path, *, keep_own: bool = False) -> Table:
 
 def _entries(
     path: Path, columns: Columns, first: int, last: int, row: Sequence[str]
-) -> dict[str, str]:
+) -> dict[str, list[str]]:
     """Return the recognised entries of a row, as they stand there."""
-    entries = {f: row[n].strip() if n < len(row) else "" for f, (n, _) in columns.items()}
-    if any("\n" in entry or "\r" in entry for entry in entries.values()):
+    entries = {
+        f: [row[n].strip() if n < len(row) else "" for n, _ in places]
+        for f, places in columns.items()
+    }
+    if any("\n" in entry or "\r" in entry for each in entries.values() for entry in each):
         raise InputError(
             f"{path}, line {first}: a quotation mark opens in this row and closes on line "
             f"{last} only; close or remove it"
         )
     return entries
+
+
+def _one_number(
+    header: Sequence[str],
+    holds: str,
+    places: Sequence[tuple[int, float]],
+    entries: Sequence[str],
+    comma: Comma,
+) -> str:
+    """Return what a row has of a field, in SI; refuse what may be two numbers, or is two."""
+    found: list[tuple[str, str]] = []  # the column's name, and the number in SI
+    for (place, factor), entry in zip(places, entries, strict=True):
+        if (plain := _plain(entry, comma, RANGES.get(holds), factor)) is None:
+            raise InputError(
+                f"the column {header[place]!r} has {entry!r}, which may be "
+                f"{both_readings(entry)}; write one of them"
+            )
+        if len(places) == 1 or not is_nothing(plain):
+            found.append((header[place], plain if factor == 1.0 else _in_si(plain, factor)))
+    if len(found) < 2:
+        return found[0][1] if found else ""
+    try:
+        values = [number_in(number) for _, number in found]
+    except ValueError:  # what is no number is refused by its own words
+        return next(number for _, number in found if not _is_number(number))
+    if not max(values) - min(values) <= ALIKE * max(map(abs, values)):
+        told = " and ".join(f"{number_in(each):.4g} in {name!r}" for name, each in found)
+        unit = PARAMETERS[holds].unit
+        raise InputError(f"two of {holds}: {told}, made {unit}; they differ by more than 1 %")
+    return found[0][1]
+
+
+def _is_number(text: str) -> bool:
+    with contextlib.suppress(ValueError):
+        number_in(text)
+        return True
+    return False
 
 
 def _too_long(header: Sequence[str], lines: Sequence[Row]) -> dict[int, str]:
@@ -184,12 +231,13 @@ def _recognised(path: Path, header: Sequence[str]) -> Columns:
         field, factor = known
         if name.strip().lower() == "weightkg" and "stature" not in map(_normal, header):
             factor = 1.0  # hectograms in ANSUR II alone
-        if field in columns:
-            first = header[columns[field][0]]
-            raise InputError(
-                f"{path}: the columns {first!r} and {name!r} both hold {field}; keep one"
-            )
-        columns[field] = (place, factor)
+        for other, of_other in columns.get(field, []):
+            if field not in ("height", "mass") or factor == of_other:
+                raise InputError(
+                    f"{path}: the columns {header[other]!r} and {name!r} both hold {field}; "
+                    "keep one"
+                )
+        columns.setdefault(field, []).append((place, factor))
     return columns
 
 
@@ -207,7 +255,7 @@ def _numbered_sex(
     header: Sequence[str], columns: Columns, rows: Sequence[Mapping[str, str]]
 ) -> tuple[str, ...]:
     """Say how numbers are read as a sex, but where NHANES is known by the column's name."""
-    if "sex" not in columns or _normal(header[columns["sex"][0]]) == "riagendr":
+    if "sex" not in columns or _normal(header[columns["sex"][0][0]]) == "riagendr":
         return ()
     numbers = {row["sex"].removesuffix(".0") for row in rows if is_numbered(row["sex"])}
     if not numbers:

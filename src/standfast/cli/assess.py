@@ -45,17 +45,21 @@ def add(commands: Any) -> None:
         help="CSV or .xlsx, - is standard input; columns height (m; height_cm, height_in), mass "
         "(kg; weight_lb), and if known id, sex, age, ankle_stiffness, knee_stiffness, "
         "hip_stiffness (N·m/rad, both legs; inf is rigid), ankle_proportional_gain, "
-        "ankle_derivative_gain, ankle_damping, feedback_delay and so on; further files are joined "
-        "by id",
+        "ankle_derivative_gain, ankle_damping, feedback_delay and so on; files with height and "
+        "mass are put together, others joined to them by id",
     )
     add_file_option(parser, "FILE.csv", "NAME-assessed.csv")
     parser.add_argument("--csv", type=Path, metavar="FILE.csv", help=WORDS)
-    parser.add_argument("--sex", choices=("male", "female", "other"), help="only of this sex")
+    words = "only of this sex: male, female or other, as files say it (f, divers)"
+    parser.add_argument("--sex", metavar="SEX", type=_sex, help=words)
     parser.add_argument("--age", metavar="AGES", help='only of these ages, as "65+" or "20-39"')
     words = "first age of each class, as 18,30,45,65 (default: 20,40,60)"
     parser.add_argument("--age-bands", metavar="AGES", help=words)
     for joint in JOINTS:
-        words = f"stiffness of the {joint} where the file has none, N·m/rad or inf"
+        words = (
+            f"stiffness of the {joint} where the file has none, N·m/rad or inf, or a multiple of "
+            "the body's load as 0.67mgh"
+        )
         parser.add_argument(f"--{joint}", metavar="K", help=words)
     for option, kind, unit in (
         ("--damping", "damping", "N·m·s/rad"),
@@ -89,7 +93,7 @@ def _assess(options: argparse.Namespace) -> None:
     body_model = _body_model(options.body_model)
     gravity = _number("--gravity", options.gravity, "gravity")
     otherwise = {
-        joint: _number(f"--{joint}", text, f"{joint}_stiffness")
+        joint: _stiffness(joint, text)
         for joint in JOINTS
         if (text := getattr(options, joint)) is not None
     }
@@ -155,6 +159,16 @@ def _output_of(options: argparse.Namespace) -> Path:
     return output
 
 
+def _sex(text: str) -> str:
+    """Read a sex by the words of files."""
+    from standfast.population.people.words import sex_of
+
+    with contextlib.suppress(InputError):
+        if (sex := sex_of(text.strip())) != "unknown":
+            return sex
+    raise argparse.ArgumentTypeError(f"{text!r} is not known; write male, female or other")
+
+
 def _bands(text: str | None) -> list[int] | None:
     """Read the ages at which bands begin."""
     from standfast.population.people.classes import checked_bands
@@ -206,6 +220,14 @@ def _plain(text: str) -> float | str:
     with contextlib.suppress(ValueError):
         return text if math.isnan(number_in(text)) else number_in(text)
     return text
+
+
+def _stiffness(joint: str, text: str) -> float | str:
+    """Return a stiffness, or a multiple of the body's load as it was written."""
+    from standfast.population.known import checked_stiffness
+
+    number, of_load = checked_stiffness(f"--{joint}", text, joint)
+    return text if of_load else number
 
 
 def _number(option: str, text: str, parameter: str) -> float:

@@ -12,6 +12,7 @@ import numpy as np
 
 from standfast.files import for_spreadsheets, whole_table
 from standfast.parameters import JOINTS
+from standfast.population.known import remarks_on_stiffness
 from standfast.population.people.classes import (
     BMI_CLASSES,
     HEIGHT_CLASSES,
@@ -66,7 +67,9 @@ class Assessment:
         """What was remarked of the people's files, and which of their columns are left out."""
         left = [name for name in self.people.own if name in self.columns]
         words = f"computed anew, not kept as they were: {', '.join(left)}"
-        return (*self.people.remarks, *([words] if left else []))
+        known = {joint: self.columns[f"{joint}_stiffness_Nm_rad"] for joint in JOINTS}
+        weak = remarks_on_stiffness(known)
+        return (*self.people.remarks, *weak, *([words] if left else []))
 
     def strata(self, bands: list[int] | None = None) -> dict[str, dict[str, dict[str, Any]]]:
         """Return numbers of all persons, and of each class by sex, age, both, BMI and height.

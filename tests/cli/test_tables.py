@@ -91,3 +91,24 @@ def test_names_that_are_no_files_get_their_sentence(place, capsys):
     with pytest.raises(InputError):
         require_replaceable(place / "people.csv", "height,masses")
     require_replaceable(place / "people.csv", "height,mass")
+
+
+def test_a_study_is_neither_people_nor_its_own_result(place, capsys):
+    study = (place / "study.toml").read_text()
+    assert main(["population", "people.csv"]) == 2
+    assert capsys.readouterr().err == (
+        "standfast: people.csv is a file of people, not a study; write a study with [population] "
+        "people = 'people.csv', or take them one by one: standfast assess people.csv\n"
+    )
+    for command in ("population", "sweep"):
+        assert main([command, "study.toml", "-o", "study.toml"]) == 2
+        said = capsys.readouterr().err
+        if command == "population":
+            assert said == (
+                "standfast: study.toml is the study itself; name another file for the result, as "
+                "study.h5\n"
+            )
+    assert (place / "study.toml").read_text() == study
+    (place / "no.toml").write_text("this is no study")
+    assert main(["population", "no.toml"]) == 2
+    assert "no.toml is not valid TOML" in capsys.readouterr().err

@@ -203,6 +203,48 @@ def test_ids_that_are_there_twice_are_told_with_their_lines(tmp_path):
     )
 
 
+def test_ids_that_are_in_two_files_are_told_too(tmp_path):
+    (tmp_path / "a.csv").write_text("id,height,mass\nA,1.7,70\nB,1.6,60\n")
+    (tmp_path / "b.csv").write_text("id,height,mass\nC,1.7,70\nB.0,1.6,60\n")
+    (tmp_path / "c.csv").write_text("id,age\nA,44\n")
+    files = [tmp_path / name for name in ("a.csv", "b.csv", "c.csv")]
+    people = read_people(files)
+    assert people.id == ("A", "B", "C", "B.0")
+    assert people.remarks == (
+        "one id is in several files, each row taken as a person: 'B' in a.csv, b.csv",
+    )
+
+
+@pytest.mark.parametrize(
+    ("header", "row", "good", "sentence"),
+    [
+        (
+            "height_cm,mass",
+            "1.70,70",
+            "170,70",
+            "1.70 in the column 'height_cm' looks like metres; write 170",
+        ),
+        (
+            "Height (in),mass",
+            "1.75,70",
+            "70,70",
+            "1.75 in the column 'Height (in)' looks like metres; write",
+        ),
+        (
+            "height,weight_g",
+            "1.75,70",
+            "1.75,70000",
+            "70 in the column 'weight_g' looks like kilograms; write 7e+04",
+        ),
+    ],
+)
+def test_a_number_in_si_under_another_unit_is_hinted_at(tmp_path, header, row, good, sentence):
+    people = read(tmp_path, f"{header}\n{row}\n{good}\n")
+    (rejected,) = people.rejected
+    assert rejected.line == 2
+    assert sentence in rejected.reason
+
+
 def test_own_columns_are_kept_when_asked_also_of_joined_files(tmp_path):
     (tmp_path / "a.csv").write_text("id,height,mass,site,note\nA,1.7,70,Bonn,x\nB,1.8,800,Ulm,y\n")
     (tmp_path / "b.csv").write_text("id,age,site,falls\nA,80+,Köln,3\n")

@@ -1,6 +1,7 @@
 """``standfast population``: who of a population would not stand, and what it would take."""
 
 import argparse
+import contextlib
 import json
 import os
 import sys
@@ -39,7 +40,16 @@ def _population(options: argparse.Namespace) -> None:
     from standfast.population.people.sections import likely_slips
     from standfast.population.people.study import PopulationStudy
 
-    study = PopulationStudy.from_toml(options.study)
+    try:
+        study = PopulationStudy.from_toml(options.study)
+    except InputError:
+        if not _holds_people(options.study):
+            raise
+        name = options.study.name
+        raise InputError(
+            f"{options.study} is a file of people, not a study; write a study with "
+            f"[population] people = {name!r}, or take them one by one: standfast assess {name}"
+        ) from None
     springs = tuple(zip(STIFFNESSES, study.distributions, strict=True))
     for note in likely_slips(springs + study.nerves):
         print(f"standfast: {note}", file=sys.stderr)
@@ -66,6 +76,16 @@ def _population(options: argparse.Namespace) -> None:
     print(f"\nWritten to {output.parent}: {', '.join(path.name for path in written)}")
     for remark in said:
         print(f"  {remark}")
+
+
+def _holds_people(path: Path) -> bool:
+    """Return whether a file is one of people."""
+    from standfast.population.people.csv_table import read_table
+    from standfast.population.people.decoding import STANDARD_INPUT
+
+    with contextlib.suppress(InputError):
+        return str(path) != STANDARD_INPUT and {"height", "mass"} <= set(read_table(path).columns)
+    return False
 
 
 def _check_tables(table: Path | None, output: Path, others: list[Path]) -> None:

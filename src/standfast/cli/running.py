@@ -3,6 +3,7 @@
 import argparse
 import contextlib
 import errno
+import os
 import shlex
 import sys
 from collections.abc import Callable, Iterator
@@ -18,6 +19,7 @@ from standfast.cli.parsing import (
     number_from_1,
     output_file,
 )
+from standfast.errors import InputError
 
 
 def add_run_options(parser: argparse.ArgumentParser, work: str) -> None:
@@ -38,8 +40,14 @@ def add_run_options(parser: argparse.ArgumentParser, work: str) -> None:
 
 
 def output_of(options: argparse.Namespace) -> Path:
-    """Return the file that a run writes."""
-    return output_file(options.output, Path(options.study.name).with_suffix(".h5").name)
+    """Return the file that a run writes; refuse the study itself."""
+    name = Path(options.study.name).with_suffix(".h5").name
+    output = output_file(options.output, name)
+    if os.path.realpath(output) == os.path.realpath(options.study):
+        raise InputError(
+            f"{output} is the study itself; name another file for the result, as {name}"
+        )
+    return output
 
 
 def run_shards(

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 from standfast.errors import InputError
 from standfast.parameters import PARAMETERS, Parameter, checked_number, number_in
-from standfast.population.people.csv_table import MEASURABLE, WEIGHT
+from standfast.population.people.csv_table import MEASURABLE
+from standfast.population.people.entries import WEIGHT
 from standfast.population.people.own_segments import check_body
 from standfast.population.people.words import age_of, is_nothing, is_top_coded, sex_of
 

@@ -1,6 +1,5 @@
 """Files of people: columns found by their names, units made SI, every line kept apart."""
 
-import contextlib
 import difflib
 import re
 from collections.abc import Mapping, Sequence
@@ -15,12 +14,11 @@ from standfast.parameters import (
     OWN_BODY,
     PARAMETERS,
     STIFFNESSES,
-    Parameter,
-    number_in,
 )
-from standfast.population.people.decimals import Comma, both_readings, comma_of, plain_number
+from standfast.population.people.decimals import comma_of
 from standfast.population.people.decoding import Row, called, text_of
-from standfast.population.people.words import AGE, is_nothing, is_numbered
+from standfast.population.people.entries import number_of
+from standfast.population.people.words import is_numbered
 
 # What may have been measured of a person.
 MEASURABLE = (*STIFFNESSES, *DAMPINGS, "feedback_delay", *GAINS, *OWN_BODY)
@@ -64,12 +62,8 @@ COLUMNS = {name: holds for holds, names in NAMES.items() for name in names.split
 # several of height or mass, if each is in another unit.
 Columns: TypeAlias = dict[str, list[tuple[int, float]]]
 
-# What height or mass in two units may differ by, relative, as both are rounded.
-ALIKE = 0.01
 
 MOST_COLUMNS = 5000
-WEIGHT = Parameter("weight", "", "1", "weight of the record", 0.0, 1e12)
-RANGES: Mapping[str, Parameter] = {**PARAMETERS, "age": AGE, "weight": WEIGHT}
 # What is no number.
 WORDS = ("id", "sex", "pregnant")
 
@@ -115,7 +109,7 @@ def read_table(path: Path, *, keep_own: bool = False) -> Table:
         plain = {f: row[f][0] for f in columns if f in WORDS}
         for f in numbers:
             try:
-                plain[f] = _one_number(header, f, columns[f], row[f], comma)
+                plain[f] = number_of(header, f, columns[f], row[f], comma)
             except InputError as error:
                 plain[f] = row[f][0]
                 refused.setdefault(last, str(error))
@@ -154,43 +148,6 @@ def _entries(
     return entries
 
 
-def _one_number(
-    header: Sequence[str],
-    holds: str,
-    places: Sequence[tuple[int, float]],
-    entries: Sequence[str],
-    comma: Comma,
-) -> str:
-    """Return what a row has of a field, in SI; refuse what may be two numbers, or is two."""
-    found: list[tuple[str, str]] = []  # the column's name, and the number in SI
-    for (place, factor), entry in zip(places, entries, strict=True):
-        if (plain := _plain(entry, comma, RANGES.get(holds), factor)) is None:
-            raise InputError(
-                f"the column {header[place]!r} has {entry!r}, which may be "
-                f"{both_readings(entry)}; write one of them"
-            )
-        if len(places) == 1 or not is_nothing(plain):
-            found.append((header[place], plain if factor == 1.0 else _in_si(plain, factor)))
-    if len(found) < 2:
-        return found[0][1] if found else ""
-    try:
-        values = [number_in(number) for _, number in found]
-    except ValueError:  # what is no number is refused by its own words
-        return next(number for _, number in found if not _is_number(number))
-    if not max(values) - min(values) <= ALIKE * max(map(abs, values)):
-        told = " and ".join(f"{number_in(each):.4g} in {name!r}" for name, each in found)
-        unit = PARAMETERS[holds].unit
-        raise InputError(f"two of {holds}: {told}, made {unit}; they differ by more than 1 %")
-    return found[0][1]
-
-
-def _is_number(text: str) -> bool:
-    with contextlib.suppress(ValueError):
-        number_in(text)
-        return True
-    return False
-
-
 def _too_long(header: Sequence[str], lines: Sequence[Row]) -> dict[int, str]:
     """Refuse rows with more entries than columns: what of them stands where is not known."""
     return {
@@ -207,19 +164,6 @@ def _each_once(names: Sequence[str]) -> tuple[str, ...]:
         again = sum(each == name for each in names[: len(told)])
         told.append(f"{name} ({again + 1})" if again else name)
     return tuple(told)
-
-
-def _plain(entry: str, comma: Comma, row: Parameter | None, factor: float) -> str | None:
-    """Return :func:`.plain_number`; of two numbers that one which alone is in the range."""
-    plain = plain_number(entry, comma)
-    if plain is not None or row is None:
-        return plain
-    possible = [
-        number
-        for number in both_readings(entry).split(" or ")
-        if row.lowest <= float(number) / factor <= row.highest
-    ]
-    return possible[0] if len(possible) == 1 else None
 
 
 def _recognised(path: Path, header: Sequence[str]) -> Columns:
@@ -270,14 +214,6 @@ def _numbered_sex(
 
 def _normal(name: str) -> str:
     return re.sub(r"[^a-z0-9]+", "_", name.strip().lower()).strip("_")
-
-
-def _in_si(text: str, factor: float) -> str:
-    """Turn a number into SI, and leave what is none to be refused with its own words."""
-    try:
-        return repr(number_in(text) / factor)
-    except ValueError:
-        return text
 
 
 def hint(table: Table, field: str) -> str:

@@ -89,6 +89,22 @@ def repeated_ids(table: Table) -> list[str]:
     return [f"{table.name}: {words}"]
 
 
+def ids_of_several_files(holders: Sequence[Table]) -> list[str]:
+    """Say which ids stand in more than one file of persons."""
+    files: dict[str, list[str]] = {}
+    for table in holders:
+        if "id" in table.columns:
+            for key in dict.fromkeys(plain_id(row["id"]) for _, row in table.rows):
+                files.setdefault(key, []).append(table.name)
+    several = {key: names for key, names in files.items() if key and len(names) > 1}
+    if not several:
+        return []
+    told = [f"{key!r} in {', '.join(names)}" for key, names in list(several.items())[:MOST_TOLD]]
+    more = f", and {len(several) - MOST_TOLD:,} more" if len(several) > MOST_TOLD else ""
+    count = f"{len(several):,} ids are" if len(several) > 1 else "one id is"
+    return [f"{count} in several files, each row taken as a person: {'; '.join(told)}{more}"]
+
+
 def on_lines(places: Mapping[str, Sequence[int]]) -> str:
     """Return the first of some entries, each with the first of the lines that it stands on."""
     told = [

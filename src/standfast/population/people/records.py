@@ -12,6 +12,7 @@ from standfast.population.people.checking import Wanted, checked_person
 from standfast.population.people.csv_table import MEASURABLE, Table, hint, read_table
 from standfast.population.people.joining import (
     added_by_id,
+    ids_of_several_files,
     joined,
     own_names,
     repeated_ids,
@@ -203,6 +204,7 @@ def _people(
     remarks += [f"{tables[0].name}: {each}" for each in remark]
     remarks += whose_segments(column(OWN_BODY[0])) if OWN_BODY[0] in columns else []
     remarks += [each for table in tables for each in repeated_ids(table)]
+    remarks += ids_of_several_files([t for t in tables if {"height", "mass"} <= set(t.columns)])
     remarks += remarks_on(persons)
     return People(
         tuple(str(person["id"]) for person in persons),

@@ -75,3 +75,34 @@ def test_sex_is_chosen_by_the_words_of_files(place, capsys):
         with pytest.raises(SystemExit):
             main(["assess", "p.csv", "--sex", word])
         assert f"{word!r} is not known; write male, female or other" in capsys.readouterr().err
+
+
+def test_the_gains_of_a_published_law_are_asked_of_ones_own_persons(place):
+    """The page on people: 943.9 of 610.7 N·m/rad of its own body is 1.5456 of mgh."""
+    law = sf.LAWS["pasma-2017"]
+    proportional, derivative = law.feedback.proportional[0, 0], law.feedback.derivative[0, 0]
+    assert proportional / law.load == pytest.approx(1.5456, abs=5e-5)
+    assert derivative / law.load == pytest.approx(0.5133, abs=5e-5)
+
+    def of_mgh(value):
+        return {"distribution": "fixed", "relative_to": "mgh", "value": value}
+
+    found = sf.assess(
+        "p.csv",
+        otherwise={"ankle": "0.0663mgh", "knee": math.inf, "hip": math.inf},
+        nerves={
+            "damping": {"ankle": of_mgh(0.1127)},
+            "feedback": {
+                "delay": 0.097,
+                "proportional": {"ankle": of_mgh(1.5456)},
+                "derivative": {"ankle": of_mgh(0.5133)},
+            },
+        },
+    )
+    alone = found.columns["ankle_threshold_alone_Nm_rad"]
+    gains = found.columns["ankle_proportional_gain_Nm_rad"]
+    np.testing.assert_allclose(gains / alone, 1.5456, rtol=1e-12)
+    assert found.columns["stands_with_feedback"].tolist() == ["yes"] * 3
+    normal = {"distribution": "normal", "mean": 0.1, "sd": 0.01}
+    with pytest.raises(sf.InputError, match="feedback_delay is normal; of single persons it is a"):
+        sf.assess("p.csv", nerves={"feedback": {"delay": normal}})

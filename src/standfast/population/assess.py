@@ -23,7 +23,7 @@ from standfast.population.assessed import Assessment
 from standfast.population.cohort.bodies import Setting, body_in, setting_of
 from standfast.population.cohort.nerves import entries_of, judged
 from standfast.population.cohort.persons import load_of
-from standfast.population.known import stiffness_of_each
+from standfast.population.known import fixed_nerves, stiffness_of_each
 from standfast.population.people.distributions import Distributions, ParameterDistribution
 from standfast.population.people.keys import checked_body_model
 from standfast.population.people.records import People, read_people
@@ -44,7 +44,7 @@ def assess(
     body_model: str | Mapping[str, str] = "winter",
     gravity: float = STANDARD_GRAVITY,
     otherwise: Mapping[str, float | str] | None = None,
-    nerves: Distributions = (),
+    nerves: Distributions | Mapping[str, Any] = (),
     progress: Callable[[int, int], None] | None = None,
 ) -> Assessment:
     """Assess persons one by one: thresholds, margins, and the least gain with which each stands.
@@ -67,7 +67,8 @@ def assess(
         stiffness (N·m/rad, ``inf`` is rigid) by joint, where it is not known of a person, or a
         multiple of the load that topples the person's body about the ankle, as ``"0.67mgh"``.
     nerves
-        damping, delay and gains by parameter where they are not known, as fixed distributions.
+        damping, delay and gains where they are not known: the tables ``damping`` and ``feedback``
+        of a population's study, each a number or a ``fixed`` distribution.
     progress
         called with the persons done and all of them, again and again.
 
@@ -88,7 +89,7 @@ def assess(
     if not isinstance(people, People):
         people = read_people(people, keep_own=True)
     models = checked_body_model("body_model", body_model)
-    columns = _assessed(people, models, gravity, otherwise or {}, dict(nerves), progress)
+    columns = _assessed(people, models, gravity, otherwise or {}, fixed_nerves(nerves), progress)
     return Assessment(people, columns, models)
 
 

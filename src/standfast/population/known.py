@@ -3,13 +3,15 @@
 import contextlib
 import math
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
 from standfast.errors import InputError
 from standfast.parameters import JOINTS, PARAMETERS, checked_number, number_in
+from standfast.population.people.distributions import Distributions, ParameterDistribution
 from standfast.population.people.records import People
-from standfast.population.people.sections import LEAST_STIFFNESS
+from standfast.population.people.sections import LEAST_STIFFNESS, checked_nerves
 from standfast.study.values import known_keys
 
 MULTIPLE = "mgh"  # after a number: as many times the load that topples the body about the ankle
@@ -54,6 +56,20 @@ def checked_stiffness(where: str, given: float | str, joint: str) -> tuple[float
             "body's load, as 0.67mgh"
         )
     return checked_number(where, number, row=row), of_load
+
+
+def fixed_nerves(
+    given: Distributions | Mapping[str, Any],
+) -> dict[str, ParameterDistribution]:
+    """Return damping, delay and gains by parameter, each the same number in everybody."""
+    nerves = dict(checked_nerves(given) if isinstance(given, Mapping) else given)
+    for name, each in nerves.items():
+        if each.kind != "fixed":
+            raise InputError(
+                f"{name} is {each.kind}; of single persons it is a number, or "
+                'distribution = "fixed" with relative_to = "mgh"'
+            )
+    return nerves
 
 
 def remarks_on_stiffness(known: Mapping[str, np.ndarray]) -> list[str]:

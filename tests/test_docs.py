@@ -1,12 +1,14 @@
 """The examples of the documentation run, and say what they are said to say."""
 
 import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import standfast as sf
+from standfast.population.people.study import PopulationStudy
 from standfast.quantities import QUANTITIES
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -47,3 +49,21 @@ def test_the_page_on_python_runs(names):
     upper = 9.80665 * body.segment_mass[2] * body.segment_com[2]
     found = float(names["ds"].hip_moment.sel(bmi=30, height=2.0))
     np.testing.assert_allclose(found, np.radians(upper), rtol=1e-12)
+
+
+def test_the_published_law_of_the_page_on_people_is_a_study_and_says_its_numbers():
+    page = (DOCS / "people.md").read_text("utf-8")
+    (block,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    content = tomllib.loads('[population]\nbuiltin = "nhanes-2017-2018"\nsize = 1000\n' + block)
+    study = PopulationStudy.from_dict(content)
+    law = sf.LAWS["pasma-2017"]
+    nerves = dict(study.nerves)
+    assert nerves["feedback_delay"].numbers == (law.delay,)
+    for given, printed in (
+        (study.distributions[0], law.stiffness.ankle),
+        (nerves["ankle_damping"], law.damping[0, 0]),
+        (nerves["ankle_proportional_gain"], law.feedback.proportional[0, 0]),
+        (nerves["ankle_derivative_gain"], law.feedback.derivative[0, 0]),
+    ):
+        assert given.relative_to == "mgh"
+        assert given.numbers[0] == pytest.approx(printed / law.load, abs=5e-5)

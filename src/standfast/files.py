@@ -9,7 +9,7 @@ import socket
 import stat
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, TextIO
 
 from standfast.errors import InputError, shortened
 
@@ -71,6 +71,41 @@ def whole_file(path: Path, *, synced: bool = False) -> Iterator[Path]:
             partial.unlink(missing_ok=True)
     if synced:
         sync_folder(path.parent)
+
+
+def require_replaceable(table: Path, header: str) -> None:
+    """Refuse a name under which anything lies but a table with this ``header``.
+
+    Raises
+    ------
+    InputError
+        if another file is there; what is no plain file is left to :func:`whole_file`.
+    """
+    try:
+        with opened_plainly(table) as file:
+            first = file.read(len(header.encode()) + 2).decode(errors="replace")
+    except FileNotFoundError:
+        return
+    except OSError:  # a folder or a device, or not to be read
+        _require_plain(table)
+        first = ""
+    whole_names = first[len(header) :][:1] in ("", ",", "\r", "\n")
+    if not first.startswith(header) or not whole_names:
+        raise InputError(
+            f"{table} is there and is no table of standfast of this kind; choose another name or "
+            "remove it"
+        )
+
+
+@contextlib.contextmanager
+def whole_table(path: Path, header: str) -> Iterator[TextIO]:
+    """Give a text file for a table whose first line begins with ``header``.
+
+    It is whole or not there, and replaces nothing but a table with the same header.
+    """
+    require_replaceable(path, header)
+    with whole_file(path) as partial, partial.open("w", encoding="utf-8", newline="") as file:
+        yield file
 
 
 def _require_plain(path: Path) -> None:

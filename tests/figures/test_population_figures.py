@@ -1,5 +1,7 @@
 """Figures of a population: what is dark, what is marked, and that no constant is drawn."""
 
+import itertools
+
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -9,7 +11,7 @@ from populations import GOOD, RIGID, changed, law, of
 from reading import check_legible
 from standfast.cli.app import main
 from standfast.figures.population import draw
-from standfast.figures.population_charts import FEWEST, TOGETHER
+from standfast.figures.population_charts import FEWEST, MOST_CLASSES, TOGETHER
 
 
 @pytest.fixture(scope="module")
@@ -83,3 +85,51 @@ def test_a_figure_of_a_population_is_asked_for_by_name(women, tmp_path, capsys):
     assert not list(tmp_path.iterdir())
     assert main([*command, "-q", "risk_map"]) == 0
     assert [path.name for path in tmp_path.iterdir()] == ["w-risk-map.png"]
+
+
+@pytest.mark.parametrize(
+    ("bands", "ages"), [([50], 2), ([30, 40, 60], 4), (list(range(25, 80, 5)), 12)]
+)
+def test_of_many_classes_the_largest_are_drawn_and_the_legend_stays_inside(
+    tmp_path, monkeypatch, drawn, bands, ages
+):
+    monkeypatch.chdir(tmp_path)
+    edges = [20, *bands, 85]
+    rows = [
+        f"{1.74 - 0.1 * (sex == 'f')},{60 + age % 20},{sex},{age}"
+        for number, age in enumerate((a + b) // 2 for a, b in itertools.pairwise(edges))
+        for sex in ("m", "f")
+        for _ in range(1 + number)  # the older, the more
+        if (sex, number) != ("m", 11)
+    ]
+    (tmp_path / "people.csv").write_text("\n".join(["height,mass,sex,age", *rows]))
+    spring = {"distribution": "normal", "relative_to": "mgh", "mean": 0.67, "sd": 0.08}
+    gain = {"distribution": "fixed", "relative_to": "mgh"}
+    content = {
+        "population": {"people": "people.csv", "age_bands": bands, "size": 4000},
+        "stiffness": {"ankle": spring, "knee": RIGID, "hip": RIGID},
+        "feedback": {
+            "delay": 0.1,
+            "proportional": {"ankle": {**gain, "value": 0.8}},
+            "derivative": {"ankle": {**gain, "value": 0.3}},
+        },
+    }
+    found = sf.simulate(content, tmp_path / "p.h5")
+    (drawing,) = draw(found, tmp_path / "p", wanted=["standing-by-delay"])
+    check_legible(drawn)
+    (figure,) = drawn
+    legend = figure.axes[0].get_legend()
+    words = [text.get_text() for text in legend.get_texts()]
+    count = 2 * ages - (ages == 12)
+    assert len(words) == min(count, MOST_CLASSES) + 1
+    styles = {(line.get_color(), str(line._dash_pattern)) for line in figure.axes[0].lines}
+    assert len(styles) == len(words)
+    if count > MOST_CLASSES:
+        assert legend.get_title().get_text() == f"the 8 largest of {count} classes"
+        assert drawing.remark.endswith(f"shows the 8 largest of {count} classes by sex and age")
+        assert "female 75+" in words
+        assert "male under 25" not in words
+    else:
+        assert drawing.remark == ""
+    axes_box = figure.axes[0].get_window_extent()
+    assert legend.get_window_extent().y0 >= axes_box.y1 - 1.0

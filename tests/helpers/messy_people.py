@@ -65,7 +65,7 @@ def _spoil(entries: dict[str, str], random: np.random.Generator, age: int, told:
         ("no age", "age", "NA", 0.01),
         ("rejected", "height", "17.0", 0.004),
         ("rejected", "mass", "n/a", 0.004),
-        ("rejected", "age", "old", 0.002),
+        ("no age", "age", "old", 0.002),
         ("no hip", "hip", "", 0.02),
     ):
         if chance < share:

@@ -128,6 +128,34 @@ def test_units_of_america_are_made_si(tmp_path, header, row, height, mass):
     assert people.mass[0] == pytest.approx(mass, rel=1e-12)
 
 
+def test_metric_and_imperial_columns_of_one_file_each_fill_some_rows(tmp_path):
+    people = read(
+        tmp_path,
+        "id,height_cm,height_in,weight_kg,weight_lb\nA,175,,70,\nB,,70,NA,165\nC,178,70,75,165\n"
+        'D,175,70,75,\nE,175,,75,150\nF,,,70,\nG,,"70,5",,165\nH,-178,70,75,\nI,abc,70,75,\n',
+    )
+    assert people.id == ("A", "B", "C", "G")
+    assert people.height.tolist() == pytest.approx([1.75, 1.778, 1.78, 70.5 * 0.0254])
+    pounds = 165 * 0.45359237
+    assert people.mass.tolist() == pytest.approx([70.0, pounds, 75.0, pounds])
+    assert [str(each) for each in people.rejected] == [
+        "people.csv, line 5: two of height: 1.75 in 'height_cm' and 1.778 in 'height_in', made m; "
+        "they differ by more than 1 %",
+        "people.csv, line 6: two of mass: 75 in 'weight_kg' and 68.04 in 'weight_lb', made kg; "
+        "they differ by more than 1 %",
+        "people.csv, line 7: no height",
+        "people.csv, line 9: two of height: -1.78 in 'height_cm' and 1.778 in 'height_in', made m; "
+        "they differ by more than 1 %",
+        "people.csv, line 10: height = 'abc' is text; give a number, 0.5 to 2.8 m",
+    ]
+
+
+def test_bytes_of_windows_are_its_letters_and_else_of_latin_1(tmp_path):
+    row = "Šimon – 5 €,1.7,70\n".encode("cp1252") + b"\x81\xfc,1.6,60\n"
+    people = read(tmp_path, b"id,height,mass\n" + row)
+    assert people.id == ("Šimon – 5 €", "\x81ü")
+
+
 @pytest.mark.parametrize(
     ("entry", "age"),
     [
@@ -150,7 +178,7 @@ def test_ages_that_are_not_known_or_none(tmp_path):
             age_of(entry)
     people = read(tmp_path, "height,mass,age\n1.7,70,80+\n1.6,60,90 and over\n1.8,80,30\n")
     assert people.age.tolist() == [80.0, 90.0, 30.0]
-    assert people.remarks == ("2 ages such as 80+ are taken as the lowest, 80",)
+    assert people.remarks == ("2 ages such as 80+ are taken as the lowest, 80 and 90",)
 
 
 def test_neither_male_nor_female_is_a_class_of_its_own(tmp_path):
@@ -173,6 +201,48 @@ def test_ids_that_are_there_twice_are_told_with_their_lines(tmp_path):
         "people.csv: 2 ids are there more than once, each row taken as a person: 'A' on lines 2, "
         "4; '7' on lines 5, 6",
     )
+
+
+def test_ids_that_are_in_two_files_are_told_too(tmp_path):
+    (tmp_path / "a.csv").write_text("id,height,mass\nA,1.7,70\nB,1.6,60\n")
+    (tmp_path / "b.csv").write_text("id,height,mass\nC,1.7,70\nB.0,1.6,60\n")
+    (tmp_path / "c.csv").write_text("id,age\nA,44\n")
+    files = [tmp_path / name for name in ("a.csv", "b.csv", "c.csv")]
+    people = read_people(files)
+    assert people.id == ("A", "B", "C", "B.0")
+    assert people.remarks == (
+        "one id is in several files, each row taken as a person: 'B' in a.csv, b.csv",
+    )
+
+
+@pytest.mark.parametrize(
+    ("header", "row", "good", "sentence"),
+    [
+        (
+            "height_cm,mass",
+            "1.70,70",
+            "170,70",
+            "1.70 in the column 'height_cm' looks like metres; write 170",
+        ),
+        (
+            "Height (in),mass",
+            "1.75,70",
+            "70,70",
+            "1.75 in the column 'Height (in)' looks like metres; write",
+        ),
+        (
+            "height,weight_g",
+            "1.75,70",
+            "1.75,70000",
+            "70 in the column 'weight_g' looks like kilograms; write 7e+04",
+        ),
+    ],
+)
+def test_a_number_in_si_under_another_unit_is_hinted_at(tmp_path, header, row, good, sentence):
+    people = read(tmp_path, f"{header}\n{row}\n{good}\n")
+    (rejected,) = people.rejected
+    assert rejected.line == 2
+    assert sentence in rejected.reason
 
 
 def test_own_columns_are_kept_when_asked_also_of_joined_files(tmp_path):

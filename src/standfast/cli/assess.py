@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 from standfast.cli.assess_text import HELP_OF_COLUMNS, print_assessment, summary_of
 from standfast.cli.parsing import add_command, add_file_option, made_room, output_file, pairs_of
-from standfast.cli.rejected import write_rejected
-from standfast.cli.strata_table import WORDS, rows_of_assessment, write_strata
+from standfast.cli.rejected import HEADER as OF_REJECTED
+from standfast.cli.rejected import rejected_path, write_rejected
+from standfast.cli.strata_table import OF_ASSESSMENT, WORDS, rows_of_assessment, write_strata
 from standfast.errors import InputError
+from standfast.files import require_replaceable
 from standfast.parameters import (
     JOINTS,
     PARAMETERS,
@@ -43,17 +45,21 @@ def add(commands: Any) -> None:
         help="CSV or .xlsx, - is standard input; columns height (m; height_cm, height_in), mass "
         "(kg; weight_lb), and if known id, sex, age, ankle_stiffness, knee_stiffness, "
         "hip_stiffness (N·m/rad, both legs; inf is rigid), ankle_proportional_gain, "
-        "ankle_derivative_gain, ankle_damping, feedback_delay and so on; further files are joined "
-        "by id",
+        "ankle_derivative_gain, ankle_damping, feedback_delay and so on; files with height and "
+        "mass are put together, others joined to them by id",
     )
     add_file_option(parser, "FILE.csv", "NAME-assessed.csv")
     parser.add_argument("--csv", type=Path, metavar="FILE.csv", help=WORDS)
-    parser.add_argument("--sex", choices=("male", "female", "other"), help="only of this sex")
+    words = "only of this sex: male, female or other, as files say it (f, divers)"
+    parser.add_argument("--sex", metavar="SEX", type=_sex, help=words)
     parser.add_argument("--age", metavar="AGES", help='only of these ages, as "65+" or "20-39"')
     words = "first age of each class, as 18,30,45,65 (default: 20,40,60)"
     parser.add_argument("--age-bands", metavar="AGES", help=words)
     for joint in JOINTS:
-        words = f"stiffness of the {joint} where the file has none, N·m/rad or inf"
+        words = (
+            f"stiffness of the {joint} where the file has none, N·m/rad or inf, or a multiple of "
+            "the body's load as 0.67mgh"
+        )
         parser.add_argument(f"--{joint}", metavar="K", help=words)
     for option, kind, unit in (
         ("--damping", "damping", "N·m·s/rad"),
@@ -87,7 +93,7 @@ def _assess(options: argparse.Namespace) -> None:
     body_model = _body_model(options.body_model)
     gravity = _number("--gravity", options.gravity, "gravity")
     otherwise = {
-        joint: _number(f"--{joint}", text, f"{joint}_stiffness")
+        joint: _stiffness(joint, text)
         for joint in JOINTS
         if (text := getattr(options, joint)) is not None
     }
@@ -105,6 +111,7 @@ def _assess(options: argparse.Namespace) -> None:
             options.people,
             strict=options.strict,
             selected=selection(options.sex, options.age, "--age"),
+            selected_by=[name for name in ("sex", "age") if getattr(options, name) is not None],
             keep_own=True,
         )
         stop_if_asked()
@@ -120,7 +127,7 @@ def _assess(options: argparse.Namespace) -> None:
     summary = summary_of(found, bands)
     written = [output, *write_rejected(summary["rejected"], output)]
     if options.csv:
-        write_strata(list(rows_of_assessment(summary["strata"])), options.csv)
+        write_strata(list(rows_of_assessment(summary["strata"])), options.csv, OF_ASSESSMENT)
         written.append(options.csv)
     if options.json:
         print(json.dumps(summary, ensure_ascii=False))
@@ -130,17 +137,36 @@ def _assess(options: argparse.Namespace) -> None:
 
 
 def _output_of(options: argparse.Namespace) -> Path:
-    """Return the file that is written; refuse to write over the people or the other table."""
+    """Return the file that is written; refuse to write over the people, or any but its like."""
+    from standfast.population.assessed import HEADER
+    from standfast.population.people.decoding import STANDARD_INPUT
+
     first = options.people[0]
     name = "people" if str(first) == "-" else first.stem
     output = output_file(options.output, f"{name}-assessed.csv")
-    written = [output, *([options.csv] if options.csv else [])]
-    for path in written:
+    tables = [(output, HEADER), (rejected_path(output), OF_REJECTED)]
+    tables += [(options.csv, OF_ASSESSMENT)] if options.csv else []
+    for path, _ in tables:
+        if str(path) == STANDARD_INPUT:
+            raise InputError("- is no file, and tables are written to files; give a name, as t.csv")
         if os.path.realpath(path) in map(os.path.realpath, options.people):
             raise InputError(f"{path} is the file of people itself; choose another output")
-    if len({os.path.realpath(path) for path in written}) < len(written):
-        raise InputError(f"{output} cannot be both -o and --csv; choose two names")
+    if len({os.path.realpath(path) for path, _ in tables}) < len(tables):
+        what = "-o" if options.csv != rejected_path(output) else "the file of rejected rows"
+        raise InputError(f"{options.csv} cannot be both {what} and --csv; choose two names")
+    for path, header in tables:
+        require_replaceable(path, header)
     return output
+
+
+def _sex(text: str) -> str:
+    """Read a sex by the words of files."""
+    from standfast.population.people.words import sex_of
+
+    with contextlib.suppress(InputError):
+        if (sex := sex_of(text.strip())) != "unknown":
+            return sex
+    raise argparse.ArgumentTypeError(f"{text!r} is not known; write male, female or other")
 
 
 def _bands(text: str | None) -> list[int] | None:
@@ -192,6 +218,14 @@ def _plain(text: str) -> float | str:
     with contextlib.suppress(ValueError):
         return text if math.isnan(number_in(text)) else number_in(text)
     return text
+
+
+def _stiffness(joint: str, text: str) -> float | str:
+    """Return a stiffness, or a multiple of the body's load as it was written."""
+    from standfast.population.known import checked_stiffness
+
+    number, of_load = checked_stiffness(f"--{joint}", text, joint)
+    return text if of_load else number
 
 
 def _number(option: str, text: str, parameter: str) -> float:

@@ -50,8 +50,9 @@ def print_assessment(summary: Mapping[str, Any]) -> None:
         print("  no one has all three stiffnesses; give --ankle, --knee, --hip for a verdict")
         _print_strata(summary["strata"])
         return
+    alone = " by springs alone" if "with_feedback" in summary else ""
     print(
-        f"  {summary['stand']:,} of {summary['judged']:,} with known stiffness stand, "
+        f"  {summary['stand']:,} of {summary['judged']:,} with known stiffness stand{alone}, "
         f"{summary['stand_with_hip_strategy']:,} of them by the hip strategy "
         "(the hip turns more than the ankle)"
     )
@@ -76,9 +77,19 @@ def print_assessment(summary: Mapping[str, Any]) -> None:
 
 def _print_strata(strata: Mapping[str, Any]) -> None:
     """Print each class: how many, how many of them fall, and what the ankle needs."""
-    judged = strata["all"]["all"]["judged"]
-    fall = f"{'of known stiffness':>20}  {'fall [95 % interval]':26}" if judged else ""
-    print(f"  {'':18}{'persons':>8}{fall}  ankle alone needs, median (N·m/rad)")
+    everybody = strata["all"]["all"]
+    verdicts = [
+        (suffix, words)
+        for suffix, words in (
+            ("", "fall by springs alone"),
+            ("_with_feedback", "fall with feedback"),
+        )
+        if everybody.get(f"judged{suffix}")
+    ]
+    if "judged_with_feedback" not in everybody:
+        verdicts = [(suffix, "fall") for suffix, _ in verdicts]
+    heads = "".join(f"{'of':>8} {f'{words} [95 %]':27}" for _, words in verdicts)
+    print(f"  {'':18}{'persons':>8}{heads}  ankle alone needs, median (N·m/rad)")
     for key, classes in strata.items():
         crossed = key == "sex_and_age"
         if len(classes) < 2 or (crossed and min(len(strata["sex"]), len(strata["age"])) < 2):
@@ -87,18 +98,24 @@ def _print_strata(strata: Mapping[str, Any]) -> None:
         print(f"  by {name}" + (f", {unit}" if unit else ""))
         for label, found in classes.items():
             if not (crossed and UNKNOWN in label):
-                fall = f"{found['judged']:>20,}  {_fallen(found):26}" if judged else ""
+                told = "".join(
+                    f"{found[f'judged{suffix}']:>8,} {_fallen(found, suffix):27}"
+                    for suffix, _ in verdicts
+                )
                 needed = found["ankle_threshold_alone_Nm_rad_p50"]
-                print(f"    {label:16}{found['persons']:>8,}{fall}  {needed:.4g}")
-    if judged:
-        print("  [ ]: Wilson's score interval; every person counts alike, without weights")
+                print(f"    {label:16}{found['persons']:>8,}{told}  {needed:.4g}")
+    if verdicts:
+        print(
+            "  of: persons of known stiffness (and gains and delay); [ ]: Wilson's score interval;"
+        )
+        print("  every person counts alike, without weights")
 
 
-def _fallen(found: Mapping[str, Any]) -> str:
-    if not found["judged"]:
+def _fallen(found: Mapping[str, Any], suffix: str) -> str:
+    if not found[f"judged{suffix}"]:
         return ""
     names = ("unstable_fraction", "unstable_95_low", "unstable_95_high")
-    falls, low, high = (f"{100.0 * found[name]:.3g} %" for name in names)
+    falls, low, high = (f"{100.0 * found[name + suffix]:.3g} %" for name in names)
     return f"{falls:>7} [{low}, {high}]"
 
 

@@ -1,6 +1,7 @@
 """``standfast population``: who of a population would not stand, and what it would take."""
 
 import argparse
+import contextlib
 import json
 import os
 import sys
@@ -9,10 +10,12 @@ from typing import Any
 
 from standfast.cli.parsing import add_command, add_format_option
 from standfast.cli.population_text import print_summary
-from standfast.cli.rejected import write_rejected
+from standfast.cli.rejected import HEADER as OF_REJECTED
+from standfast.cli.rejected import rejected_path, write_rejected
 from standfast.cli.running import add_run_options, output_of, run_shards
-from standfast.cli.strata_table import WORDS, rows_of_population, write_strata
+from standfast.cli.strata_table import OF_POPULATION, WORDS, rows_of_population, write_strata
 from standfast.errors import InputError
+from standfast.files import require_replaceable
 from standfast.parameters import STIFFNESSES
 
 
@@ -37,12 +40,21 @@ def _population(options: argparse.Namespace) -> None:
     from standfast.population.people.sections import likely_slips
     from standfast.population.people.study import PopulationStudy
 
-    study = PopulationStudy.from_toml(options.study)
+    try:
+        study = PopulationStudy.from_toml(options.study)
+    except InputError:
+        if not _holds_people(options.study):
+            raise
+        name = options.study.name
+        raise InputError(
+            f"{options.study} is a file of people, not a study; write a study with "
+            f"[population] people = {name!r}, or take them one by one: standfast assess {name}"
+        ) from None
     springs = tuple(zip(STIFFNESSES, study.distributions, strict=True))
     for note in likely_slips(springs + study.nerves):
         print(f"standfast: {note}", file=sys.stderr)
     output = output_of(options)
-    _require_own_file(options.csv, [*study.files, options.study, output])
+    _check_tables(options.csv, output, [*study.files, options.study, output])
     found = run_shards(_compute, study, options, "persons", strict=options.strict)
     if found is None:
         return
@@ -55,7 +67,7 @@ def _population(options: argparse.Namespace) -> None:
         written += [path for drawing in drawn for path in drawing.paths]
         said = [drawing.remark for drawing in drawn if drawing.remark]
     if options.csv:
-        write_strata(list(rows_of_population(found.summary)), options.csv)
+        write_strata(list(rows_of_population(found.summary)), options.csv, OF_POPULATION)
         written.append(options.csv)
     if options.json:
         print(json.dumps(found.summary, ensure_ascii=False))
@@ -66,10 +78,25 @@ def _population(options: argparse.Namespace) -> None:
         print(f"  {remark}")
 
 
-def _require_own_file(table: Path | None, others: list[Path]) -> None:
-    """Refuse to write the table of strata over anything that is read or written."""
+def _holds_people(path: Path) -> bool:
+    """Return whether a file is one of people."""
+    from standfast.population.people.csv_table import read_table
+    from standfast.population.people.decoding import STANDARD_INPUT
+
+    with contextlib.suppress(InputError):
+        return str(path) != STANDARD_INPUT and {"height", "mass"} <= set(read_table(path).columns)
+    return False
+
+
+def _check_tables(table: Path | None, output: Path, others: list[Path]) -> None:
+    """Refuse to write tables over anything that is read or written, or any but their like."""
+    rejected = rejected_path(output)
+    others = [*others, rejected]
     if table is not None and os.path.realpath(table) in map(os.path.realpath, others):
         raise InputError(f"--csv {table} is a file of this study itself; choose another")
+    require_replaceable(rejected, OF_REJECTED)
+    if table is not None:
+        require_replaceable(table, OF_POPULATION)
 
 
 def _compute(study: Any, output: Path, **settings: Any) -> Any:

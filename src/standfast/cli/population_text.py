@@ -52,11 +52,14 @@ def _print_delays(summary: Mapping[str, Any]) -> None:
     _print_quantiles("delay margin", "delay_margin", summary, " s")
     print("\ndelay up to which that share stands, s [95 % interval]")
     borne = summary["delay_borne"]
-    print(f"  {'':12}" + "".join(f"{_percent(float(share)):>22}" for share in borne["all"]))
+    print(f"  {'':16}" + "".join(f"{_percent(float(share)):>22}" for share in borne["all"]))
     rows = [("all", borne["all"]), *borne["sex"].items(), *borne["age"].items()]
+    if not _says_nothing_new(borne):
+        both = borne.get("sex_and_age", {}).items()
+        rows += [(label, shares) for label, shares in both if UNKNOWN not in label]
     for label, shares in rows:
         words = "".join(f"{_delay(found):>22}" for found in shares.values())
-        print(f"  {label:12}{words}")
+        print(f"  {label:16}{words}")
     if left_open := summary["left_open_by_rounding"]:
         of_all = counted(summary["size"], "person")
         print(f"  rounding leaves something open of {left_open:,} of {of_all}")

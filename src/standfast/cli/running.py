@@ -3,6 +3,7 @@
 import argparse
 import contextlib
 import errno
+import os
 import shlex
 import sys
 from collections.abc import Callable, Iterator
@@ -44,9 +45,14 @@ def output_of(options: argparse.Namespace) -> Path:
     Raises
     ------
     InputError
-        if it is named like a study, which nothing may write over.
+        if it is the study itself, or named like one, which nothing may write over.
     """
-    output = output_file(options.output, Path(options.study.name).with_suffix(".h5").name)
+    name = Path(options.study.name).with_suffix(".h5").name
+    output = output_file(options.output, name)
+    if os.path.realpath(output) == os.path.realpath(options.study):
+        raise InputError(
+            f"{output} is the study itself; name another file for the result, as {name}"
+        )
     if output.suffix == ".toml":
         raise InputError(
             f"{output} is the name of a study, and the output is HDF5; write -o "

@@ -1,19 +1,23 @@
 """The table of all strata as a CSV file, as a paper prints it: one line a class of people."""
 
 import csv
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from standfast.files import for_spreadsheets, whole_file
+from standfast.files import for_spreadsheets, whole_table
 from standfast.population.people.classes import STRATA
 
 WORDS = "write a table of all strata, one line a class: persons, fraction unstable, interval"
+# How the first lines of both tables begin, by which they are known again.
+OF_POPULATION = "stratum,class,unit_of_class,persons_simulated"
+OF_ASSESSMENT = "stratum,class,unit_of_class,persons"
 
 
-def write_strata(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
-    """Write rows of one and the same columns, whole or not at all."""
-    with whole_file(path) as partial, partial.open("w", encoding="utf-8", newline="") as file:
+def write_strata(rows: Sequence[Mapping[str, Any]], path: Path, header: str) -> None:
+    """Write rows of one and the same columns, the first as in ``header``, whole or not at all."""
+    with whole_table(path, header) as file:
         table = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
         table.writeheader()
         table.writerows({name: _entry(value) for name, value in row.items()} for row in rows)
@@ -44,8 +48,20 @@ def rows_of_population(summary: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
         if borne is not None:
             of_class = borne["all"] if key == "all" else borne.get(key, {}).get(label)
             for share in borne["all"]:
-                row[f"delay_borne_by_{share}_s"] = of_class and of_class[share]["delay"]
+                row |= _delay_borne(f"delay_borne_by_{share}", of_class and of_class[share])
         yield row
+
+
+def _delay_borne(name: str, found: Mapping[str, Any] | None) -> dict[str, float | None]:
+    """Return a delay that is borne with the ends of its interval; infinity, which JSON has not."""
+    columns = (f"{name}_s", f"{name}_95_low_s", f"{name}_95_high_s")
+    if found is None:  # of classes by which delays are not told
+        return dict.fromkeys(columns)
+    told = (found["delay"], *found["delay_interval"])
+    return {
+        column: math.inf if each is None else each
+        for column, each in zip(columns, told, strict=True)
+    }
 
 
 def rows_of_assessment(strata: Mapping[str, Any]) -> Iterator[dict[str, Any]]:

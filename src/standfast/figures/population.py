@@ -20,11 +20,15 @@ ROUNDING = 1e-9
 
 
 class Picture(NamedTuple):
-    """How a figure is drawn, how high, and why it is not, if it would show a constant."""
+    """How a figure is drawn, how high, and why it is not, if it would show a constant.
+
+    ``remark`` says what is left out of it.
+    """
 
     height: float
     draw: Callable[..., Axes]
     constant: str = ""
+    remark: str = ""
 
 
 def draw(
@@ -45,11 +49,8 @@ def draw(
             continue
         with style.paper_figure(height=picture.height) as (figure, (ax,)):
             picture.draw(population, ax=ax)
-            drawn.append(
-                style.Drawing(
-                    style.save(figure, stem.with_name(f"{stem.name}-{name}"), formats), ""
-                )
-            )
+            paths = style.save(figure, stem.with_name(f"{stem.name}-{name}"), formats)
+            drawn.append(style.Drawing(paths, picture.remark))
         if progress is not None:
             progress(done, len(chosen))
     return drawn
@@ -85,7 +86,10 @@ def _pictures(population: Population) -> dict[str, Picture]:
     pictures = {"risk-map": Picture(2.9, population_charts.risk_map, alike)}
     if population.study.is_fed_back:
         pictures["standing-by-delay"] = Picture(
-            2.8, population_charts.standing_by_delay, _never_changes(population)
+            3.2,
+            population_charts.standing_by_delay,
+            _never_changes(population),
+            _classes_left_out(population),
         )
         if 0.0 < falls < FEWEST_FALLS:
             few = f"{100.0 * falls:.2g} % fall, too few for a map"
@@ -102,6 +106,13 @@ def _pictures(population: Population) -> dict[str, Picture]:
                 height, partial(population_charts.drivers, output=output)
             )
     return pictures
+
+
+def _classes_left_out(population: Population) -> str:
+    shown, count = population_charts.classes_shown(population)
+    if len(shown) == count:
+        return ""
+    return f"standing-by-delay shows the {len(shown)} largest of {count} classes by sex and age"
 
 
 def _never_changes(population: Population) -> str:

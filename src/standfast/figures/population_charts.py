@@ -34,6 +34,12 @@ DRIVEN = {
 # A cell of the risk map with fewer persons says more of chance than of risk.
 FEWEST = 50
 
+# More curves are not told apart; as many ages of one sex have a dash pattern each.
+MOST_CLASSES = 8
+CLASS_STYLES = (
+    *LINE_STYLES[1:], (0, (1, 3)), (0, (12, 2, 2, 2)), (0, (3, 3)),
+)  # fmt: skip
+
 # The risk map shows cells of 5 cm by 1 kg/m², two of the stored ones each way.
 TOGETHER = 2
 
@@ -131,31 +137,44 @@ def survival(population: Population | str | Path, *, ax: Axes | None = None) -> 
 def standing_by_delay(population: Population | str | Path, *, ax: Axes | None = None) -> Axes:
     """Draw the share of persons who stand up to each delay: of all, and by sex and age.
 
-    Returns the axes.
+    Of many classes the ``MOST_CLASSES`` of most persons are drawn, which the legend says. Returns
+    the axes.
     """
     population = population_in(population)
     ax = axes_for(ax)
     delay, everybody = population.array("delay"), population.array("standing")
     by_both = population.array("standing_by_sex_and_age")
-    seen = np.isfinite(by_both[..., 0])
-    classes = ages_of(population.study)
-    several = seen.sum() > 1
-    ages = [number for number in range(len(classes)) if seen[:, number].any()]
-    colors = dict(zip(SEXES, (BLUE, VERMILION, GREEN, GREY), strict=True))
-    for (sex, color), curves in zip(colors.items(), by_both, strict=True):
-        for number, age in enumerate(ages):
-            if several and np.isfinite(curves[age, 0]):
-                style = LINE_STYLES[1:][number % (len(LINE_STYLES) - 1)]
-                label = f"{sex} {classes[age]}".replace("unknown unknown", "unknown")
-                ax.plot(delay, curves[age], linestyle=style, color=color, label=label)
+    shown, count = classes_shown(population)
+    ages = list(dict.fromkeys(age for _, age in shown))
+    colors = (BLUE, VERMILION, GREEN, GREY)
+    for sex, age in shown if count > 1 else []:
+        style = CLASS_STYLES[ages.index(age) % len(CLASS_STYLES)]
+        label = _class_name(population, sex, age).replace("unknown unknown", "unknown")
+        ax.plot(delay, by_both[sex, age], linestyle=style, color=colors[sex], label=label)
     ax.plot(delay, everybody, color="black", label="all")
     changing = delay[(everybody > 0.002) & (everybody < everybody.max() - 0.002)]
     if changing.size:
         ax.set_xlim(max(float(changing[0]) - 0.05, 0.0), float(changing[-1]) + 0.02)
     ax.yaxis.set_major_formatter(PercentFormatter(1.0))
     ax.set(xlabel="Delay of the feedback (s)", ylabel="Persons who stand up to it", ylim=(0, 1))
-    ax.legend(loc="best", edgecolor="none")
+    above: Any = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "frameon": False}
+    words = f"the {len(shown)} largest of {count} classes" if len(shown) < count else None
+    ax.legend(ncols=3, title=words, title_fontsize="small", columnspacing=1.0, **above)
     return ax
+
+
+def classes_shown(population: Population) -> tuple[list[tuple[int, int]], int]:
+    """Return the classes that are drawn, by numbers of sex and age, and how many there are."""
+    seen = np.isfinite(population.array("standing_by_sex_and_age")[..., 0])
+    classes = [(int(sex), int(age)) for sex, age in zip(*np.nonzero(seen), strict=True)]
+    strata = population.summary["strata"]["sex_and_age"]
+    persons = {each: strata[_class_name(population, *each)]["persons"] for each in classes}
+    largest = sorted(classes, key=lambda each: -persons[each])[:MOST_CLASSES]
+    return sorted(largest), len(classes)
+
+
+def _class_name(population: Population, sex: int, age: int) -> str:
+    return f"{SEXES[sex]} {ages_of(population.study)[age]}"
 
 
 def drivers(population: Population | str | Path, output: str, *, ax: Axes | None = None) -> Axes:

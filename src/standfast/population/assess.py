@@ -23,6 +23,7 @@ from standfast.population.assessed import Assessment
 from standfast.population.cohort.bodies import Setting, body_in, setting_of
 from standfast.population.cohort.nerves import entries_of, judged
 from standfast.population.cohort.persons import load_of
+from standfast.population.known import fixed_nerves, stiffness_of_each
 from standfast.population.people.distributions import Distributions, ParameterDistribution
 from standfast.population.people.keys import checked_body_model
 from standfast.population.people.records import People, read_people
@@ -30,7 +31,6 @@ from standfast.population.people.sections import NERVES
 from standfast.stability.margins import safety_factor, stiffness_reserve
 from standfast.stability.modes import frequency_of, modes, ratio_to_ankle
 from standfast.stability.springs import critical_stiffness, verdict
-from standfast.study.values import known_keys
 
 DELAY = "feedback_delay"
 PIECE = 2**14  # persons who are computed together
@@ -43,8 +43,8 @@ def assess(
     *,
     body_model: str | Mapping[str, str] = "winter",
     gravity: float = STANDARD_GRAVITY,
-    otherwise: Mapping[str, float] | None = None,
-    nerves: Distributions = (),
+    otherwise: Mapping[str, float | str] | None = None,
+    nerves: Distributions | Mapping[str, Any] = (),
     progress: Callable[[int, int], None] | None = None,
 ) -> Assessment:
     """Assess persons one by one: thresholds, margins, and the least gain with which each stands.
@@ -61,9 +61,11 @@ def assess(
     body_model, gravity
         proportions of everybody, or of ``female``, ``male``, ``other`` (not of own segments); m/s².
     otherwise
-        stiffness (N·m/rad, ``inf`` is rigid) by joint, where it is not known of a person.
+        stiffness (N·m/rad, ``inf`` is rigid) by joint, where it is not known of a person, or a
+        multiple of the load that topples the person's body about the ankle, as ``"0.67mgh"``.
     nerves
-        damping, delay and gains by parameter where they are not known, as fixed distributions.
+        damping, delay and gains where they are not known: the tables ``damping`` and ``feedback``
+        of a population's study, each a number or a ``fixed`` distribution.
     progress
         called with the persons done and all of them, again and again.
 
@@ -84,9 +86,26 @@ def assess(
     if not isinstance(people, People):
         people = read_people(people, keep_own=True)
     models = checked_body_model("body_model", body_model)
+    columns = _assessed(people, models, gravity, otherwise or {}, fixed_nerves(nerves), progress)
+    return Assessment(people, columns, models)
+
+
+def _assessed(
+    people: People,
+    models: str | Mapping[str, str],
+    gravity: float,
+    otherwise: Mapping[str, float | str],
+    fixed: Mapping[str, ParameterDistribution],
+    progress: Callable[[int, int], None] | None,
+) -> dict[str, np.ndarray]:
+    """Return the columns of :func:`assess`."""
     setting, size = setting_of(people, models, checked_number("gravity", gravity))
-    known = _stiffnesses(people, otherwise or {})
-    fixed = dict(nerves)
+    bodies = np.array([*size.values()])
+
+    def toppling_load() -> np.ndarray:
+        return _in_pieces(_loads, setting, tuple(size), bodies)["ankle"]
+
+    known = stiffness_of_each(people, otherwise, toppling_load)
     fed_back = any(name in fixed or name in people.measured for name in GAINS)
     step = _Steps(progress, len(people) * (1 + fed_back))
     names = (*size, *STIFFNESSES)
@@ -96,21 +115,7 @@ def assess(
     if fed_back:
         everything = columns["stands"] != ""
         columns |= _with_feedback(setting, names, given, people, fixed, everything, step)
-    return Assessment(people, columns, models)
-
-
-def _stiffnesses(people: People, otherwise: Mapping[str, float]) -> dict[str, np.ndarray]:
-    """Return the stiffness of each joint, measured or otherwise; NaN where it is not known."""
-    known_keys("otherwise", otherwise, JOINTS)
-    known = {}
-    for joint in JOINTS:
-        name = f"{joint}_stiffness"
-        measured = people.measured.get(name, np.full(len(people), math.nan))
-        instead = otherwise.get(joint, math.nan)
-        if joint in otherwise:
-            instead = checked_number(f"otherwise[{joint!r}]", instead, row=PARAMETERS[name])
-        known[joint] = np.where(np.isnan(measured), instead, measured)
-    return known
+    return columns
 
 
 class _Steps:

@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from standfast.files import for_spreadsheets, whole_file
+from standfast.files import for_spreadsheets, whole_table
 from standfast.parameters import JOINTS
+from standfast.population.known import remarks_on_stiffness
 from standfast.population.people.classes import (
     BMI_CLASSES,
     HEIGHT_CLASSES,
@@ -27,6 +28,14 @@ from standfast.population.summary.estimators import wilson
 
 HAIR = 1e-9  # is added, so that a value right at a limit lies above it
 SHARES = (0.05, 0.5, 0.95)
+# How the first line of a table of persons begins, by which it is known again.
+HEADER = ",".join(
+    (
+        "id", "height_m", "mass_kg", "sex", "age",
+        *(f"{joint}_stiffness_Nm_rad" for joint in JOINTS),
+        *(f"{joint}_threshold_alone_Nm_rad" for joint in JOINTS),
+    )
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -58,7 +67,9 @@ class Assessment:
         """What was remarked of the people's files, and which of their columns are left out."""
         left = [name for name in self.people.own if name in self.columns]
         words = f"computed anew, not kept as they were: {', '.join(left)}"
-        return (*self.people.remarks, *([words] if left else []))
+        known = {joint: self.columns[f"{joint}_stiffness_Nm_rad"] for joint in JOINTS}
+        weak = remarks_on_stiffness(known)
+        return (*self.people.remarks, *weak, *([words] if left else []))
 
     def strata(self, bands: list[int] | None = None) -> dict[str, dict[str, dict[str, Any]]]:
         """Return numbers of all persons, and of each class by sex, age, both, BMI and height.
@@ -99,7 +110,9 @@ class Assessment:
         for suffix, name in verdicts.items():
             if name in self.columns:
                 found |= _verdicts(self.columns[name][chosen], suffix)
-        for name in ("safety_factor", *(f"{joint}_threshold_alone_Nm_rad" for joint in JOINTS)):
+        of_joints = (f"{joint}_threshold_alone_Nm_rad" for joint in JOINTS)
+        of_delay = ("critical_delay_s",) if "critical_delay_s" in self.columns else ()
+        for name in ("safety_factor", *of_joints, *of_delay):
             values = self.columns[name][chosen]
             values = values[~np.isnan(values)]
             with np.errstate(invalid="ignore"):  # between infinite ones
@@ -125,7 +138,7 @@ def _verdicts(words: np.ndarray, suffix: str) -> dict[str, Any]:
 def write_assessment(assessment: Assessment, path: Path) -> None:
     """Write one line a person, whole or not at all: what was found, then the files' own columns."""
     columns = {**assessment.columns, **assessment.own}
-    with whole_file(path) as partial, partial.open("w", encoding="utf-8", newline="") as file:
+    with whole_table(path, HEADER) as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(map(for_spreadsheets, columns))
         for row in zip(*columns.values(), strict=True):

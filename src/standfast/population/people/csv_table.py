@@ -14,12 +14,11 @@ from standfast.parameters import (
     OWN_BODY,
     PARAMETERS,
     STIFFNESSES,
-    Parameter,
-    number_in,
 )
-from standfast.population.people.decimals import Comma, both_readings, comma_of, plain_number
+from standfast.population.people.decimals import comma_of
 from standfast.population.people.decoding import Row, called, text_of
-from standfast.population.people.words import AGE, is_numbered
+from standfast.population.people.entries import number_of
+from standfast.population.people.words import is_numbered
 
 # What may have been measured of a person.
 MEASURABLE = (*STIFFNESSES, *DAMPINGS, "feedback_delay", *GAINS, *OWN_BODY)
@@ -59,13 +58,12 @@ NAMES: Mapping[tuple[str, float], str] = {
 }
 COLUMNS = {name: holds for holds, names in NAMES.items() for name in names.split()}
 
-# By what it holds, the place of a column in each row, and how many of its units are one of SI.
-Columns: TypeAlias = dict[str, tuple[int, float]]
+# By what it holds, the places of its columns in each row, with how many of its units are one of SI:
+# several of height or mass, if each is in another unit.
+Columns: TypeAlias = dict[str, list[tuple[int, float]]]
 
 
 MOST_COLUMNS = 5000
-WEIGHT = Parameter("weight", "", "1", "weight of the record", 0.0, 1e12)
-RANGES: Mapping[str, Parameter] = {**PARAMETERS, "age": AGE, "weight": WEIGHT}
 # What is no number.
 WORDS = ("id", "sex", "pregnant")
 
@@ -104,27 +102,30 @@ def read_table(path: Path, *, keep_own: bool = False) -> Table:
         raise InputError(f"{path} has a header and no rows; give one line a person")
     entries = [_entries(path, columns, *line) for line in lines]
     numbers = [f for f in columns if f not in WORDS]
-    comma = comma_of((row[f] for row in entries for f in numbers), text.separator)
+    comma = comma_of((each for row in entries for f in numbers for each in row[f]), text.separator)
     refused = _too_long(header, lines)
+    rows = []
     for (_, last, _), row in zip(lines, entries, strict=True):
+        plain = {f: row[f][0] for f in columns if f in WORDS}
         for f in numbers:
-            place, factor = columns[f]
-            if (plain := _plain(row[f], comma, RANGES.get(f), factor)) is None:
-                refused.setdefault(
-                    last,
-                    f"the column {header[place]!r} has {row[f]!r}, which may be "
-                    f"{both_readings(row[f])}; write one of them",
-                )
-            else:
-                row[f] = plain if factor == 1.0 else _in_si(plain, factor)
-    taken = {place for place, _ in columns.values()}
+            try:
+                plain[f] = number_of(header, f, columns[f], row[f], comma)
+            except InputError as error:
+                plain[f] = row[f][0]
+                refused.setdefault(last, str(error))
+        rows.append((last, plain))
+    taken = {place for places in columns.values() for place, _ in places}
     own = [n for n in range(len(header)) if n not in taken and header[n].strip()] * keep_own
     return Table(
         name,
         tuple(header),
         columns,
-        [(last, row) for (_, last, _), row in zip(lines, entries, strict=True)],
-        (*text.remarks, *_misspelt(header, columns), *_numbered_sex(header, columns, entries)),
+        rows,
+        (
+            *text.remarks,
+            *_misspelt(header, columns),
+            *_numbered_sex(header, columns, [row for _, row in rows]),
+        ),
         _each_once([header[n].strip() for n in own]),
         [tuple(row[n].strip() if n < len(row) else "" for n in own) for _, _, row in lines],
         refused,
@@ -133,10 +134,13 @@ def read_table(path: Path, *, keep_own: bool = False) -> Table:
 
 def _entries(
     path: Path, columns: Columns, first: int, last: int, row: Sequence[str]
-) -> dict[str, str]:
+) -> dict[str, list[str]]:
     """Return the recognised entries of a row, as they stand there."""
-    entries = {f: row[n].strip() if n < len(row) else "" for f, (n, _) in columns.items()}
-    if any("\n" in entry or "\r" in entry for entry in entries.values()):
+    entries = {
+        f: [row[n].strip() if n < len(row) else "" for n, _ in places]
+        for f, places in columns.items()
+    }
+    if any("\n" in entry or "\r" in entry for each in entries.values() for entry in each):
         raise InputError(
             f"{path}, line {first}: a quotation mark opens in this row and closes on line "
             f"{last} only; close or remove it"
@@ -162,19 +166,6 @@ def _each_once(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(told)
 
 
-def _plain(entry: str, comma: Comma, row: Parameter | None, factor: float) -> str | None:
-    """Return :func:`.plain_number`; of two numbers that one which alone is in the range."""
-    plain = plain_number(entry, comma)
-    if plain is not None or row is None:
-        return plain
-    possible = [
-        number
-        for number in both_readings(entry).split(" or ")
-        if row.lowest <= float(number) / factor <= row.highest
-    ]
-    return possible[0] if len(possible) == 1 else None
-
-
 def _recognised(path: Path, header: Sequence[str]) -> Columns:
     """Return the known columns by what they hold."""
     columns: Columns = {}
@@ -184,12 +175,13 @@ def _recognised(path: Path, header: Sequence[str]) -> Columns:
         field, factor = known
         if name.strip().lower() == "weightkg" and "stature" not in map(_normal, header):
             factor = 1.0  # hectograms in ANSUR II alone
-        if field in columns:
-            first = header[columns[field][0]]
-            raise InputError(
-                f"{path}: the columns {first!r} and {name!r} both hold {field}; keep one"
-            )
-        columns[field] = (place, factor)
+        for other, of_other in columns.get(field, []):
+            if field not in ("height", "mass") or factor == of_other:
+                raise InputError(
+                    f"{path}: the columns {header[other]!r} and {name!r} both hold {field}; "
+                    "keep one"
+                )
+        columns.setdefault(field, []).append((place, factor))
     return columns
 
 
@@ -207,23 +199,21 @@ def _numbered_sex(
     header: Sequence[str], columns: Columns, rows: Sequence[Mapping[str, str]]
 ) -> tuple[str, ...]:
     """Say how numbers are read as a sex, but where NHANES is known by the column's name."""
-    if "sex" not in columns or _normal(header[columns["sex"][0]]) == "riagendr":
+    if "sex" not in columns or _normal(header[columns["sex"][0][0]]) == "riagendr":
         return ()
-    if not any(is_numbered(row["sex"]) for row in rows):
+    numbers = {row["sex"].removesuffix(".0") for row in rows if is_numbered(row["sex"])}
+    if not numbers:
         return ()
-    return ("sex is given by numbers: 1 is read as male and 2 as female",)
+    words = "sex is given by numbers: 1 is read as male and 2 as female"
+    if unknown := sorted(numbers & {"0", "9"}):
+        words += f", {' and '.join(unknown)} as not known"
+    if "0" in numbers and "2" not in numbers:
+        words += "; there is no 2, so if 0 is a sex here write words"
+    return (words,)
 
 
 def _normal(name: str) -> str:
     return re.sub(r"[^a-z0-9]+", "_", name.strip().lower()).strip("_")
-
-
-def _in_si(text: str, factor: float) -> str:
-    """Turn a number into SI, and leave what is none to be refused with its own words."""
-    try:
-        return repr(number_in(text) / factor)
-    except ValueError:
-        return text
 
 
 def hint(table: Table, field: str) -> str:

@@ -1,5 +1,6 @@
 """From the bytes of a file of people to rows of text: encodings, separators, spreadsheets."""
 
+import codecs
 import contextlib
 import csv
 import hashlib
@@ -23,6 +24,8 @@ MARKS = (
     (b"\xfe\xff", "utf-16"),
     (b"\xef\xbb\xbf", "utf-8-sig"),
 )
+# Letters of the bytes of Windows (cp1252), and of Latin-1 where that has none.
+WINDOWS = "".join(bytes([n]).decode("cp1252", "ignore") or chr(n) for n in range(256))
 ZIPPED, OLD_EXCEL = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
 SEPARATORS = ",;\t|"
 # Comes after the last line, alone in its row unless a quotation mark is open.
@@ -109,7 +112,7 @@ def _decoded(name: str, raw: bytes) -> str:
     try:
         return raw.decode("utf-8")
     except UnicodeDecodeError:
-        return raw.decode("latin-1")
+        return codecs.charmap_decode(raw, "strict", WINDOWS)[0]
 
 
 def _rows_of(name: str, text: str, separator: str) -> Iterator[Row]:

@@ -84,12 +84,33 @@ def repeated_ids(table: Table) -> list[str]:
     repeated = {key: places for key, places in lines.items() if len(places) > 1}
     if not repeated:
         return []
-    told = [
-        f"{key!r} on lines {', '.join(map(str, places[:MOST_TOLD]))}"
-        + (", …" if len(places) > MOST_TOLD else "")
-        for key, places in list(repeated.items())[:MOST_TOLD]
-    ]
-    more = f", and {len(repeated) - MOST_TOLD:,} more" if len(repeated) > MOST_TOLD else ""
     count = f"{len(repeated):,} ids are" if len(repeated) > 1 else "one id is"
-    words = f"{count} there more than once, each row taken as a person: {'; '.join(told)}{more}"
+    words = f"{count} there more than once, each row taken as a person: {on_lines(repeated)}"
     return [f"{table.name}: {words}"]
+
+
+def ids_of_several_files(holders: Sequence[Table]) -> list[str]:
+    """Say which ids stand in more than one file of persons."""
+    files: dict[str, list[str]] = {}
+    for table in holders:
+        if "id" in table.columns:
+            for key in dict.fromkeys(plain_id(row["id"]) for _, row in table.rows):
+                files.setdefault(key, []).append(table.name)
+    several = {key: names for key, names in files.items() if key and len(names) > 1}
+    if not several:
+        return []
+    told = [f"{key!r} in {', '.join(names)}" for key, names in list(several.items())[:MOST_TOLD]]
+    more = f", and {len(several) - MOST_TOLD:,} more" if len(several) > MOST_TOLD else ""
+    count = f"{len(several):,} ids are" if len(several) > 1 else "one id is"
+    return [f"{count} in several files, each row taken as a person: {'; '.join(told)}{more}"]
+
+
+def on_lines(places: Mapping[str, Sequence[int]]) -> str:
+    """Return the first of some entries, each with the first of the lines that it stands on."""
+    told = [
+        f"{entry!r} on line{'s' * (len(lines) > 1)} {', '.join(map(str, lines[:MOST_TOLD]))}"
+        + (", …" if len(lines) > MOST_TOLD else "")
+        for entry, lines in list(places.items())[:MOST_TOLD]
+    ]
+    more = f", and {len(places) - MOST_TOLD:,} more" if len(places) > MOST_TOLD else ""
+    return f"{'; '.join(told)}{more}"

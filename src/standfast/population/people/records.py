@@ -1,28 +1,24 @@
 """Real persons from CSV files: checked one by one, every row accounted for."""
 
-import math
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Callable, Collection, Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from standfast.errors import InputError
-from standfast.parameters import OWN_BODY, PARAMETERS, Parameter, checked_number, number_in
-from standfast.population.people.csv_table import MEASURABLE, WEIGHT, Table, hint, read_table
+from standfast.parameters import OWN_BODY, PARAMETERS
+from standfast.population.people.checking import Wanted, checked_person
+from standfast.population.people.csv_table import MEASURABLE, Table, hint, read_table
 from standfast.population.people.joining import (
     added_by_id,
+    ids_of_several_files,
     joined,
     own_names,
     repeated_ids,
 )
-from standfast.population.people.own_segments import (
-    check_body,
-    whose_segments,
-    without_some_segments,
-)
+from standfast.population.people.own_segments import whose_segments, without_some_segments
 from standfast.population.people.remarks import remarks_on
-from standfast.population.people.words import age_of, is_nothing, is_top_coded, sex_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +78,7 @@ def read_people(
     strict: bool = False,
     needed: Sequence[str] = (),
     selected: Callable[[str, float], bool] | None = None,
+    selected_by: Collection[str] = ("sex", "age"),
     keep_own: bool = False,
 ) -> People:
     """Read persons from CSV or Excel files, each row checked.
@@ -90,18 +87,21 @@ def read_people(
     joined by id. Separators may be commas, semicolons, tabs or ``|``, decimals be written with a
     point or a comma; text may be UTF-8, or UTF-16 with its mark. Of ``.xlsx`` the first sheet is
     read, by pandas. Columns are known by their names, which say the unit: ``height`` (m),
-    ``height_cm``, ``height_in``, ``mass`` (kg), ``weight_lb`` and so on.
+    ``height_cm``, ``height_in``, ``mass`` (kg), ``weight_lb`` and so on. A sex or an age that
+    cannot be read, or that nobody has, is taken as unknown, which is told in ``remarks``.
 
     Parameters
     ----------
     paths
         one file, or several; ``-`` is standard input.
     strict
-        stop at the first row that cannot be used.
+        stop at the first row that cannot be used, or whose sex or age cannot be read.
     needed
         measured parameters without which a person is not used, as ``"ankle_stiffness"``.
     selected
         tells from sex and age (years, NaN if not known) whether a person is wanted.
+    selected_by
+        by which of ``"sex"`` and ``"age"`` it goes: who has it unreadable is rejected then.
     keep_own
         keep the columns that are not recognised, as text.
 
@@ -126,21 +126,17 @@ def read_people(
     tables = [read_table(Path(path), keep_own=keep_own) for path in paths]
     if not tables:
         raise InputError("no file of people is given")
-    return _people_in(tables, strict, needed, selected)
+    readable = ("sex", "age") if strict else selected_by if selected is not None else ()
+    return _people_in(tables, strict, Wanted(needed, selected, readable))
 
 
-def _people_in(
-    tables: Sequence[Table],
-    strict: bool,
-    needed: Sequence[str],
-    selected: Callable[[str, float], bool] | None,
-) -> People:
-    """Read persons from tables; parameters are those of :func:`read_people`."""
+def _people_in(tables: Sequence[Table], strict: bool, wanted: Wanted) -> People:
+    """Read persons from tables."""
     holders = [table for table in tables if {"height", "mass"} <= set(table.columns)]
     columns = {field for table in tables for field in table.columns}
     columns, remark = without_some_segments(columns)
     added = added_by_id(tables, holders)
-    _check_columns(tables[0], holders, columns, needed)
+    _check_columns(tables[0], holders, columns, wanted.needed)
     found = _Sorted([], [], [], 0)
     for table in holders:
         for number, (line, row) in enumerate(table.rows):
@@ -148,11 +144,12 @@ def _people_in(
             whole = joined(row, own, added)
             try:
                 _require_plain(table.refused.get(line, whole.refused))
-                person = _checked_person(whole.row, columns, needed, selected)
+                person = checked_person(whole.row, columns, wanted)
             except InputError as error:
                 found.reject(Rejection(table.name, line, str(error)), strict)
             else:
-                found.add(person, whole.row.get("id") or str(line), whole.own)
+                name = whole.row.get("id") or str(line)
+                found.add(person, {"id": name, "file": table.name, "line": line}, whole.own)
     if not found.persons:
         raise InputError(_nobody(tables[0], found.rejected, found.not_selected))
     return _people(tables, columns, found, own_names(holders, tables), remark)
@@ -173,12 +170,17 @@ class _Sorted:
             raise InputError(f"{row} (--strict)") from None
         self.rejected.append(row)
 
-    def add(self, person: dict[str, object] | None, name: str, own: Mapping[str, str]) -> None:
+    def add(
+        self,
+        person: dict[str, object] | None,
+        place: Mapping[str, object],
+        own: Mapping[str, str],
+    ) -> None:
         """Take a checked person, None for one who is not selected."""
         if person is None:
             self.not_selected += 1
         else:
-            self.persons.append({**person, "id": name})
+            self.persons.append({**person, **place})
             self.own.append(own)
 
 
@@ -202,6 +204,7 @@ def _people(
     remarks += [f"{tables[0].name}: {each}" for each in remark]
     remarks += whose_segments(column(OWN_BODY[0])) if OWN_BODY[0] in columns else []
     remarks += [each for table in tables for each in repeated_ids(table)]
+    remarks += ids_of_several_files([t for t in tables if {"height", "mass"} <= set(t.columns)])
     remarks += remarks_on(persons)
     return People(
         tuple(str(person["id"]) for person in persons),
@@ -219,7 +222,7 @@ def _people(
 
 
 def _check_columns(
-    first: Table, holders: Sequence[Table], columns: Container[str], needed: Sequence[str]
+    first: Table, holders: Sequence[Table], columns: Container[str], needed: Collection[str]
 ) -> None:
     """Refuse files without height and mass, or without a measured parameter that is needed."""
     if not holders:
@@ -237,50 +240,6 @@ def _require_plain(refused: str) -> None:
     """Refuse a row of which something can be read in two ways."""
     if refused:
         raise InputError(refused)
-
-
-def _number(entry: str, name: str, row: Parameter) -> float:
-    try:
-        number: float | str = number_in(entry)
-    except ValueError:
-        number = entry
-    return checked_number(name, number, row=row)
-
-
-def _checked_person(
-    row: Mapping[str, str],
-    columns: Container[str],
-    needed: Sequence[str],
-    selected: Callable[[str, float], bool] | None,
-) -> dict[str, object] | None:
-    """Check one person; None if not of those selected."""
-    sex, age = sex_of(row.get("sex", "")), age_of(row.get("age", ""))
-    if selected is not None and not selected(sex, age):
-        return None
-    top_coded = is_top_coded(row.get("age", ""))
-    person: dict[str, object] = {"sex": sex, "age": age, "top_coded": top_coded}
-    for field in ("height", "mass"):
-        if is_nothing(row[field]):
-            raise InputError(f"no {field}")
-        person[field] = _number(row[field], field, PARAMETERS[field])
-    if row.get("pregnant", "") in ("1", "1.0"):
-        raise InputError("pregnant, for which no body model holds")
-    weight = row.get("weight")
-    if "weight" in columns and weight is None:
-        raise InputError("no weight: the id is in no file of weights")
-    person["weight"] = 1.0 if weight is None else _number(weight, "weight", WEIGHT)
-    for name in MEASURABLE:
-        if name in columns:
-            entry = row.get(name, "")
-            if name in needed and is_nothing(entry):
-                raise InputError(f"no {name}")
-            person[name] = _optional(entry, name, PARAMETERS[name])
-    check_body(person)
-    return person
-
-
-def _optional(entry: str, name: str, row: Parameter) -> float:
-    return math.nan if is_nothing(entry) else _number(entry, name, row)
 
 
 def _nobody(table: Table, rejected: Sequence[Rejection], not_selected: int) -> str:

@@ -239,8 +239,13 @@ class PopulationStudy:
         if digest(self.files) != population["people_sha256"]:
             names = ", ".join(map(str, self.files))
             raise InputError(f"{names} changed while it was read; try again")
-        selected = selection(population.get("sex"), population.get("age"))
-        return read_people(self.files, strict=strict, needed=self.measured, selected=selected)
+        return read_people(
+            self.files,
+            strict=strict,
+            needed=self.measured,
+            selected=selection(population.get("sex"), population.get("age")),
+            selected_by=[name for name in ("sex", "age") if name in population],
+        )
 
     @property
     def replicates(self) -> int:

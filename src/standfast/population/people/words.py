@@ -21,12 +21,13 @@ OTHER = (
 )  # fmt: skip
 SEX_WORDS |= dict.fromkeys(OTHER, "other")
 SEX_WORDS |= dict.fromkeys(NOTHING, "unknown")
-SEX_NUMBERS = {1.0: "male", 2.0: "female"}
+# As ISO/IEC 5218 and NHANES number them.
+SEX_NUMBERS = {0.0: "unknown", 1.0: "male", 2.0: "female", 9.0: "unknown"}
 AGE = Parameter("age", "", "years", "age", 0.0, 130.0)
 # Ages that a survey does not tell exactly, as 80+, >=85, 90 and over; the number is the lowest.
 TOP_CODED = re.compile(
     r"(?:(?:>=|≥|=>|>|over|from)\s*(\d{1,3}(?:\.\d+)?)"
-    r"|(\d{1,3}(?:\.\d+)?)\s*(?:y|yrs?|years)?\s*(?:\+|(?:and|or|&)\s*(?:over|older|more|above|up)))"
+    r"|(\d{1,3}(?:\.\d+)?)\s*(?:y|yrs?|years)?\s*(?:\+|plus|(?:and|or|&)\s*(?:over|older|more|above|up)))"
     r"\s*(?:y|yrs?|years)?\s*(?:old|of age)?",
     re.IGNORECASE,
 )
@@ -42,7 +43,7 @@ def is_nothing(entry: str) -> bool:
 
 
 def sex_of(entry: str) -> str:
-    """Return which of SEXES an entry says, 1 and 2 as NHANES numbers them; refuse any other."""
+    """Return which of SEXES an entry says, by word or number; refuse any other."""
     word = entry.lower()
     if word in SEX_WORDS:
         return SEX_WORDS[word]
@@ -56,7 +57,7 @@ def sex_of(entry: str) -> str:
 
 def is_numbered(entry: str) -> bool:
     """Return whether a sex is given by its number."""
-    return entry in ("1", "2", "1.0", "2.0")
+    return entry.removesuffix(".0") in ("0", "1", "2", "9")
 
 
 def is_top_coded(entry: str) -> bool:

@@ -12,7 +12,7 @@ from standfast.population.people.classes import STRATA
 from standfast.population.people.study import PopulationStudy
 from standfast.population.summary.arrays import STANDING_SHARES as SHARES
 
-MOST_KEYS = 100
+MOST_KEYS = 1000  # classes by sex and age of one-year bands are 528
 LARGEST_INTEGER = 2**63
 LARGEST_INDEX = 1e6  # Sobol indices are about 0 to 1, and none is infinite
 
@@ -79,7 +79,7 @@ FED_BACK_ANSWERS = {
     "left_open_by_rounding": int,
     "critical_delay": QUANTILES,
     "delay_margin": QUANTILES,
-    "delay_borne": {"all": DELAYS, "sex": {str: DELAYS}, "age": {str: DELAYS}},
+    "delay_borne": {"all": DELAYS, "sex": {str: DELAYS}, "age": {str: DELAYS}, str: {str: DELAYS}},
     "drivers": {"unstable": DRIVERS, "delay_margin": DRIVERS},
 }
 

@@ -137,6 +137,8 @@ class Summary:
                 word: self.critical_delay(**{key: word}) for word in sorted(words, key=order.index)
             }
             borne[key] = {word: _delays_borne(each) for word, each in found.items() if each.size}
+        pairs = {f"{sex} {age}": self.critical_delay(sex, age) for sex, age in self.cohort.strata}
+        borne["sex_and_age"] = {both: _delays_borne(p) for both, p in pairs.items() if p.size}
         return {
             **fraction(self.by_springs[:, 1], persons).told("unstable_by_springs_alone"),
             "left_open_by_rounding": self.left_open,

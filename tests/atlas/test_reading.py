@@ -297,3 +297,15 @@ def test_arrays_and_masks_index_as_in_h5py(whole):
     everything = np.asarray(variable)
     np.testing.assert_array_equal(variable[np.array([0, 2])], everything[[0, 2]])
     np.testing.assert_array_equal(variable[:, np.arange(5), 1], everything[:, :5, 1])
+
+
+def test_a_variable_says_what_it_is_in_one_line(whole):
+    atlas = sf.open_atlas(whole[0])
+    variable = atlas["stable"]
+    text = repr(variable)
+    assert "\n" not in text
+    assert text.startswith(f"<Variable stable ({variable.dims[0]} {variable.shape[0]}")
+    assert str(atlas.path) in text
+    assert len(variable) == variable.shape[0]
+    with pytest.raises(IndexError, match="indices are too many for"):
+        variable[(0,) * (len(variable.shape) + 1)]

@@ -264,3 +264,12 @@ def test_the_overall_gain_of_dec_just_does_not_hold():
 def test_laws_are_at_the_door():
     assert sf.LAWS is LAWS
     assert sf.critical_delay(**sf.LAWS["pasma-2017"].person) == pytest.approx(0.28617, abs=5e-6)
+
+
+def test_a_law_that_is_none_is_named():
+    near = next(iter(sf.LAWS))[:-1]
+    with pytest.raises(KeyError, match="is not a law; did you mean"):
+        sf.LAWS[near]
+    with pytest.raises(sf.InputError, match="is not among the laws: it switches"):
+        sf.LAWS["suzuki-2020"]
+    assert "suzuki-2020" not in sf.LAWS

@@ -528,3 +528,10 @@ def test_who_writes_into_an_axis_changes_no_other():
     value = {"start": 1.0, "stop": 100.0, "num": 3, "spacing": "log"}
     axis_values(value)[0] = 5.0
     assert axis_values(value)[0] == 1.0
+
+
+@pytest.mark.parametrize("axis", [range(900, 1200, 100), np.array([900, 1000, 1100])])
+def test_an_axis_may_be_what_holds_numbers(axis):
+    springs = {"ankle": axis, "knee": 1500.0, "hip": 400.0}
+    study = sf.Study.from_dict({"body": {"height": 1.7, "mass": 70.0}, "stiffness": springs})
+    assert study.axes["ankle_stiffness"].tolist() == [900.0, 1000.0, 1100.0]

@@ -35,6 +35,8 @@ def within_box(index: Any, count: int) -> tuple[Any, ...]:
 def listed_axis(index: Any, count: int) -> tuple[list[Any], int]:
     """Return one item for every axis, and which axis has the one list or mask among them."""
     items = _spread(index, count)
+    if len(items) > count:
+        raise IndexError(f"{len(items)} indices are too many for {count} axes")
     others = [n for n, item in enumerate(items) if not _is_plain(item)]
     if len(items) != count or len(others) != 1 or np.ndim(items[others[0]]) != 1:
         raise IndexError("give integers, slices, and at most one list; or a mask of all values")

@@ -10,6 +10,7 @@ from standfast.engine.grid import Evaluator
 from standfast.engine.own import check_own
 from standfast.errors import InputError
 from standfast.run.machine import cores
+from standfast.run.options import check_threads
 from standfast.study.grid import Tile
 from standfast.study.study import GivenStudy, Study
 
@@ -35,13 +36,14 @@ def compute(study: GivenStudy, *, threads: int | None = None) -> "xarray.Dataset
     Raises
     ------
     InputError
-        if xarray is not installed (the extra ``standfast[xarray]``), or a quantity of one's own is
-        not one number a person.
+        if threads is no number of them, xarray is not installed (the extra ``standfast[xarray]``),
+        or a quantity of one's own is not one number a person.
     """
     try:
         import xarray  # noqa: PLC0415 - an extra
     except ImportError:
         raise InputError("compute needs xarray: pip install 'standfast[xarray]'") from None
+    check_threads(threads)
     study = Study.of(study)
     check_own(study)
     evaluate = Evaluator(study)

@@ -141,6 +141,15 @@ class Variable:
         """Unit of the values."""
         return self.quantity.unit
 
+    def __repr__(self) -> str:
+        axes = ", ".join(f"{a} {n}" for a, n in zip(self.dims, self.shape, strict=True))
+        return f"<Variable {self.quantity.name} ({axes}) in {self.units}: {self.atlas.path}>"
+
+    def __len__(self) -> int:
+        if not self.shape:
+            raise TypeError(f"{self.quantity.name} is one number, without a length")
+        return self.shape[0]
+
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
         del copy  # what is read from a file is always new
         return np.asarray(self[...], dtype)

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from standfast.anthropometry.body import Body
+from standfast.errors import UnknownNameError, nearest_name
 from standfast.mechanics.law import Gains, Law, Outcome, Printed
 from standfast.mechanics.links import OneLink, TwoLinks
 from standfast.parameters import DAMPING_UNIT, STIFFNESS_UNIT
@@ -226,7 +227,17 @@ _STATE_FEEDBACK = (
     ),
 )
 
-LAWS: Mapping[str, Law] = {law.name: law for law in (*_ANKLE, *_WANG, *_STATE_FEEDBACK)}
+
+class _Laws(dict[str, Law]):
+    def __missing__(self, name: object) -> Law:
+        if isinstance(name, str) and name in LEFT_OUT:
+            raise UnknownNameError(f"{name} is not among the laws: {LEFT_OUT[name]}")
+        raise UnknownNameError(
+            f"{name} is not a law{nearest_name(name, self)} (standfast laws lists them)"
+        )
+
+
+LAWS: Mapping[str, Law] = _Laws({law.name: law for law in (*_ANKLE, *_WANG, *_STATE_FEEDBACK)})
 
 _SECOND_HAND = "its gains or body were not seen in the source"
 # What one may look for, and why it is not among them.

@@ -190,6 +190,5 @@ def _busy(target: Path, holder: str, *, by_hand: Path | None = None) -> BusyErro
     who = f" ({name})" if name and _may_live(holder) else ""
     hint = f"; if that run is certainly dead, remove {by_hand}" if by_hand is not None else ""
     return BusyError(
-        f"{target} is being written by another run{who}; "
-        f"wait for it or choose another output with -o{hint}"
+        f"{target} is being written by another run{who}; wait for it or choose another output{hint}"
     )

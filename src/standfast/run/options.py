@@ -28,6 +28,18 @@ class RunOptions(TypedDict, total=False):
     executor: Executor | None
 
 
+def check_threads(threads: Any) -> None:
+    """Refuse what is no number of threads; None leaves it to the machine."""
+    if threads is not None and not (_is_whole(threads) and threads >= 1):
+        raise InputError(
+            f"threads = {shortened(threads)} is not a number of threads; give 1 or more"
+        )
+
+
+def _is_whole(number: object) -> bool:
+    return isinstance(number, int) and not isinstance(number, bool)
+
+
 def checked_options(
     part: tuple[int, int] | None,
     threads: int | None,
@@ -36,13 +48,13 @@ def checked_options(
     executor: Executor | None,
 ) -> RunOptions:
     """Return the options of a run; refuse what is no number of threads, share or executor."""
-    if threads is not None and not (isinstance(threads, int) and threads >= 1):
-        raise InputError(
-            f"threads = {shortened(threads)} is not a number of threads; give 1 or more"
-        )
+    check_threads(threads)
+    for key, call in (("progress", progress), ("estimate", estimate)):
+        if call is not None and not callable(call):
+            raise InputError(f"{key} = {shortened(call)} is not a function; give one, or None")
     if part is not None:
         two = isinstance(part, tuple | list) and len(part) == 2
-        if not two or not all(isinstance(number, int) for number in part):
+        if not two or not all(map(_is_whole, part)):
             raise InputError(f"part = {shortened(part)} is not a share; give (i, N)")
         if not 1 <= part[0] <= part[1]:
             raise InputError(f"part = {part[0]}/{part[1]} is not a share; give i/N with 1 ≤ i ≤ N")

@@ -20,7 +20,7 @@ from standfast.mechanics.feedback import Feedback, checked_damping, checked_feed
 from standfast.mechanics.joints import Stiffness, checked_person
 from standfast.mechanics.matrices import joint_inertia, stiffness_rows
 from standfast.numerics.arrays import Scalar, is_traced
-from standfast.parameters import STANDARD_GRAVITY, checked_scalar
+from standfast.parameters import PARAMETERS, STANDARD_GRAVITY, checked_number
 from standfast.stability.delay.persons import all_crossings, all_rightmost
 from standfast.stability.delay.table import Crossings
 from standfast.stability.springs import verdict
@@ -103,6 +103,8 @@ def delay_crossings(
 ) -> list[tuple[float, float, int]]:
     """Return where roots cross the imaginary axis, as the delay grows to ``longest`` seconds.
 
+    ``longest`` has the limits of a delay.
+
     Returns
     -------
     list of (delay in s, angular frequency in rad/s, +1 to the right or −1 to the left), by rising
@@ -110,7 +112,7 @@ def delay_crossings(
 
     Other parameters and errors are those of :func:`is_stable`.
     """
-    longest = float(checked_scalar("feedback_delay", longest))
+    longest = checked_number("longest", longest, row=PARAMETERS["feedback_delay"])
     table = _of("delay_crossings", body, stiffness, gravity, damping, feedback)
     found = [
         (delay, float(table.frequency[number]), int(table.direction[number]))

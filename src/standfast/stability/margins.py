@@ -123,13 +123,21 @@ def _uncoupled_factor(body: Body, stiffness: Stiffness, gravity: Scalar) -> Scal
     # a joint as good as free, below 1e-60 N·m/rad, would overflow the determinant
     ankle, knee, hip = (1.0 / xp.maximum(xp.asarray(k), 1e-60) for k in stiffness.joints)
     trace = (shank + below) * ankle + below * knee + upper * hip
+    trace = xp.where(trace > 0.0, trace, 1.0)  # three rigid joints, whose slopes would be NaN
     minors = ankle * (shank * below * knee + (shank + thigh) * upper * hip)
     minors = minors + thigh * upper * knee * hip
     determinant = shank * thigh * upper * ankle * knee * hip
     share = largest_root(1.0, minors / trace**2, determinant / trace**3, steps=2)
     factor = unless_all_rigid(stiffness, 1.0 / (trace * share))
-    free = (stiffness.ankle == 0.0) | (stiffness.knee == 0.0) | (stiffness.hip == 0.0)
-    return xp.where(free, 0.0, factor)
+    free = [k == 0.0 for k in stiffness.joints]
+    # beside one free joint the factor grows as its stiffness over its load, beside more not at all
+    one = (1 * free[0] + 1 * free[1] + 1 * free[2]) == 1
+    loads = (shank + below, below, upper)
+    of_free = sum(
+        xp.where(is_free, k, 0.0) / load
+        for is_free, k, load in zip(free, stiffness.joints, loads, strict=True)
+    )
+    return xp.where(free[0] | free[1] | free[2], xp.where(one, of_free, 0.0), factor)
 
 
 def _coupled_factor(body: Body, stiffness: Stiffness, gravity: Scalar) -> Scalar:

@@ -86,14 +86,20 @@ def loads_of_springs(stiffness: Stiffness) -> Vector:
 def transmitted_load(load: Scalar, stiffness: Scalar) -> Scalar:
     """Return L / (1 − L/K), what a joint transmits of the load it carries; inf if K ≤ L."""
     xp = namespace(load, stiffness)
-    return xp.where(stiffness > load, load / (1.0 - load / stiffness), xp.inf)
+    holds = stiffness > load
+    # numbers in place of those that fail: their slopes would be NaN also where they are not taken
+    load, stiffness = xp.where(holds, load, 0.0), xp.where(holds, stiffness, 1.0)
+    return xp.where(holds, load / (1.0 - load / stiffness), xp.inf)
 
 
 @np.errstate(all="ignore")
 def bearable(stiffness: Scalar, limit: Scalar) -> Scalar:
     """Return 1 / (1/K + 1/S), the largest load of which a joint transmits no more than S > 0."""
     xp = namespace(stiffness, limit)
-    return 1.0 / (1.0 / xp.asarray(stiffness) + 1.0 / limit)
+    free = stiffness == 0.0
+    give = 1.0 / xp.where(free, 1.0, stiffness) + 1.0 / limit
+    borne = xp.where(give > 0.0, 1.0 / xp.where(give > 0.0, give, 1.0), xp.inf)
+    return xp.where(free, stiffness, borne)  # which grows as the stiffness of a free joint does
 
 
 def critical_stiffness(
@@ -163,7 +169,8 @@ def critical_hip_stiffness(
     shank, thigh, upper = gravity_loads(body, gravity)
     xp = namespace(shank, thigh, upper, ankle, knee)
     spare = ankle - shank
-    spare_above = xp.where(spare > 0.0, bearable(knee, spare), 0.0) - thigh
+    some = spare > 0.0
+    spare_above = xp.where(some, bearable(knee, xp.where(some, spare, 1.0)), 0.0) - thigh
     return transmitted_load(upper, spare_above)
 
 

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from standfast.errors import InputError, nearest_name, shortened
+from standfast.numerics.arrays import in_numpy
 from standfast.parameters import (
     OWN_BODY,
     PARAMETERS,
@@ -131,8 +132,11 @@ def checked_value(where: str, row: Parameter, given: Any) -> Value:
         if row.choices:
             raise InputError(f"{where} is a table; give a model or a list of models")
         return _range(where, row, given)
+    given = in_numpy(given)  # what has an array of numbers: of JAX, a series of pandas
     if isinstance(given, np.ndarray):
         given = given.tolist()
+    if isinstance(given, range):
+        given = list(given[: LONGEST_AXIS + 1])
     if not isinstance(given, list | tuple):
         single: float | str = _single(where, row, given)
         return single

@@ -216,6 +216,7 @@ def write(
     verdicts_a_second = ALONG * n / float(np.median(both))
     report.demands = [
         Demand("one free joint: critical delays a second", 50e6, report.rows[0].rate),
+        Demand("one channel: critical delays a second", 0.5e6, report.rows[2].rate),
         Demand("one channel: all crossings, persons a second", 0.5e6, report.rows[1].rate),
         Demand("three joints: all crossings, persons a second", 50e3, report.rows[3].rate),
         Demand("rightmost roots, proven, a second", 10e3, report.rows[8].rate),

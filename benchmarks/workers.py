@@ -58,6 +58,8 @@ KINDS: dict[str, Kind] = {
     "eigenvalue": (lambda warm: numbers("eigenvalue_1", SIDE, warm), sf.sweep, sweep_shards),
     "ratio": (lambda warm: numbers("hip_ankle_ratio", RATIO_SIDE, warm), sf.sweep, sweep_shards),
 }
+# How many workers each way has; without any, a thread of the caller works.
+WORKERS = {"thread": 0, "one": 1, "two": 2, "task": 1, "task here": 0}
 WORDS = {
     "persons": f"{PERSONS:.3g} persons",
     "eigenvalue": f"{SIDE**3:.3g} eigenvalues",
@@ -82,7 +84,7 @@ def main() -> None:
         seconds: dict[str, list[float]] = {}
         starts: list[float] = []
         for _ in range(ROUNDS):
-            for how in ("thread", "one", "two", "task", "task here"):
+            for how in WORKERS:
                 found = measured(name, how)
                 print(f"  {name}, {how}: {found['run']:.1f} s", flush=True)
                 seconds.setdefault(how, []).append(found["run"])
@@ -126,16 +128,19 @@ def taken(name: str) -> int:
 
 def measured(name: str, how: str) -> dict[str, float]:
     """Return seconds of one way, from a process that has its cores alone from the beginning."""
+    all_cores = os.sched_getaffinity(0)
+    # before it is begun: threads that its imports start would keep all cores
+    os.sched_setaffinity(0, range(max(WORKERS[how], 1)))
     command = [sys.executable, __file__, name, how]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
+    os.sched_setaffinity(0, all_cores)
     found: dict[str, float] = json.loads(done.stdout)
     return found
 
 
 def timed(name: str, how: str) -> dict[str, float]:
     """Do a work one way, warm; this process was begun for it."""
-    workers = {"thread": 0, "task here": 0, "two": 2}.get(how, 1)
-    os.sched_setaffinity(0, range(max(workers, 1)))
+    workers = WORKERS[how]
     make, compute, _ = KINDS[name]
     spawn = multiprocessing.get_context("spawn")
     turn, together = spawn.Value("i", 0), spawn.Barrier(max(workers, 1))

@@ -28,7 +28,7 @@ def print_rejected(rejected: Sequence[dict[str, Any]]) -> None:
 
 def rejected_path(output: Path) -> Path:
     """Return where the rejected rows of a result are written."""
-    return output.with_name(f"{output.stem}-rejected.csv")
+    return output.parent / f"{output.stem}-rejected.csv"
 
 
 def write_rejected(rejected: Sequence[dict[str, Any]], output: Path) -> list[Path]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from standfast.atlas.writer import new_file, reserve
 from standfast.engine.memory import keep_freed_memory
-from standfast.errors import InputError, shortened
+from standfast.errors import InputError
 from standfast.files import checked_path
 from standfast.population.cohort.cohort import Cohort, cohort_of
 from standfast.population.cohort.counting import (
@@ -35,6 +35,7 @@ from standfast.run.loop import run_job
 from standfast.run.options import Announce, Executor, Progress, RunOptions, checked_options
 from standfast.run.shards import HEADER_BYTES
 from standfast.run.workers import write_shards
+from standfast.study.study import study_given
 
 # What a study may be given as: itself, the path of its file, or its content.
 GivenPopulation: TypeAlias = PopulationStudy | str | Path | Mapping[str, Any]
@@ -108,16 +109,9 @@ def simulate(
 
 def _study_of(given: GivenPopulation) -> PopulationStudy:
     """Return a study that is given as one, as the path of its file, or as its content."""
-    if isinstance(given, PopulationStudy):
-        return given
-    if isinstance(given, str | Path):
-        return PopulationStudy.from_toml(given)
-    if isinstance(given, Mapping):
-        return PopulationStudy.from_dict(given)
-    raise InputError(
-        f"study = {shortened(given)} is no study of a population; give a PopulationStudy, the path "
-        "of a study file, or its content as a dict"
-    )
+    words = "is no study of a population; give a PopulationStudy"
+    found: PopulationStudy = study_given(PopulationStudy, given, words)
+    return found
 
 
 def simulate_shards(

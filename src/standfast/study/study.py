@@ -29,6 +29,25 @@ GivenStudy: TypeAlias = "Study | str | Path | Mapping[str, Any]"
 LARGEST_GRID = 10**13  # three hours at a billion verdicts a second
 
 
+def study_given(kind: Any, given: Any, words: str) -> Any:
+    """Return a study of a kind that is given as one, as its file's path, or as nested mappings.
+
+    Raises
+    ------
+    InputError
+        if it is none of them, in the ``words`` of its kind, or as its ``from_toml``, ``from_dict``.
+    """
+    if isinstance(given, kind):
+        return given
+    if isinstance(given, str | Path):
+        return kind.from_toml(given)
+    if isinstance(given, Mapping):
+        return kind.from_dict(given)
+    raise InputError(
+        f"study = {shortened(given)} {words}, the path of a study file, or its content as a dict"
+    )
+
+
 @dataclass(frozen=True)
 class Study:
     """A checked study; make one with :meth:`from_toml` or :meth:`from_dict`.
@@ -125,16 +144,9 @@ class Study:
         InputError
             if it is none of them, or as :meth:`from_toml` and :meth:`from_dict`.
         """
-        if isinstance(given, Study):
-            return given
-        if isinstance(given, str | Path):
-            return cls.from_toml(given)
-        if isinstance(given, Mapping):
-            return cls.from_dict(given)
-        raise InputError(
-            f"study = {shortened(given)} is no study of a sweep; give a Study, the path of a "
-            "study file, or its content as a dict"
-        )
+        words = "is no study of a sweep; give a Study"
+        found: Study = study_given(cls, given, words)
+        return found
 
     def __hash__(self) -> int:
         in_any_order = dict(sorted(self.parameters.items()))  # as two studies are compared

@@ -76,9 +76,7 @@ def examined(problem: Problem, coefficients: Array) -> tuple[Array, Array]:
 
 
 def sought(problem: Problem, coefficients: Array) -> Array:
-    """Return the rows in which crossings are looked for: of one channel R and S, else all."""
-    if problem.rank > 1:
-        return coefficients
+    """Return the coefficients in which crossings of one channel are looked for, R and S."""
     rows = one_channel.search_of(problem.quasi(coefficients))
     return namespace(*rows).stack(rows)
 

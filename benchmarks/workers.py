@@ -1,7 +1,7 @@
 """What a second worker buys, and what it costs to have a worker at all.
 
 Every timing is of a fresh process: warm workers, or a thread, bound to one core each, and a caller
-that has the same cores and no more. Run as ``python benchmarks/workers.py`` (a quarter of an hour).
+that has the same cores and no more. Run as ``python benchmarks/workers.py`` (twenty minutes).
 """
 
 import json
@@ -10,7 +10,7 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -58,8 +58,9 @@ KINDS: dict[str, Kind] = {
     "eigenvalue": (lambda warm: numbers("eigenvalue_1", SIDE, warm), sf.sweep, sweep_shards),
     "ratio": (lambda warm: numbers("hip_ankle_ratio", RATIO_SIDE, warm), sf.sweep, sweep_shards),
 }
-# How many workers each way has; without any, a thread of the caller works.
-WORKERS = {"thread": 0, "one": 1, "two": 2, "task": 1, "task here": 0}
+# How many workers each way has; without any, a thread of the caller works. "side by side": two
+# callers that know nothing of each other, a core each, which tells what the machine gives at most.
+WORKERS = {"thread": 0, "one": 1, "two": 2, "side by side": 0, "task": 1, "task here": 0}
 WORDS = {
     "persons": f"{PERSONS:.3g} persons",
     "eigenvalue": f"{SIDE**3:.3g} eigenvalues",
@@ -85,7 +86,7 @@ def main() -> None:
         starts: list[float] = []
         for _ in range(ROUNDS):
             for how in WORKERS:
-                found = measured(name, how)
+                found = side_by_side(name) if how == "side by side" else measured(name, how)
                 print(f"  {name}, {how}: {found['run']:.1f} s", flush=True)
                 seconds.setdefault(how, []).append(found["run"])
                 starts += [found["start"]] * (how == "one")
@@ -96,6 +97,8 @@ def main() -> None:
             ("two", "two workers, two cores"),
         ):
             report.rows.append(Row(f"{words}: {what}", seconds[how], work, name))
+        twice = f"{words}, twice: two callers side by side, a core each"
+        report.rows.append(Row(twice, seconds["side by side"], 2 * work, name))
         share = work * taken(name) / KINDS[name][0](False).shard_count
         report.rows += [
             Row(f"{words}: some shards, by the caller", seconds["task here"], share, name),
@@ -128,13 +131,32 @@ def taken(name: str) -> int:
 
 def measured(name: str, how: str) -> dict[str, float]:
     """Return seconds of one way, from a process that has its cores alone from the beginning."""
+    return answer_of(begun(name, how, range(max(WORKERS[how], 1))))
+
+
+def side_by_side(name: str) -> dict[str, float]:
+    """Return seconds of the slower of two callers at once, each with a core and a folder."""
+    both = [begun(name, "thread", [core]) for core in (0, 1)]
+    return max(map(answer_of, both), key=lambda found: found["run"])
+
+
+def begun(name: str, how: str, cores: Iterable[int]) -> subprocess.Popen[str]:
+    """Begin one way in a process that has some cores, and no others."""
     all_cores = os.sched_getaffinity(0)
     # before it is begun: threads that its imports start would keep all cores
-    os.sched_setaffinity(0, range(max(WORKERS[how], 1)))
+    os.sched_setaffinity(0, cores)
     command = [sys.executable, __file__, name, how]
-    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     os.sched_setaffinity(0, all_cores)
-    found: dict[str, float] = json.loads(done.stdout)
+    return process
+
+
+def answer_of(process: subprocess.Popen[str]) -> dict[str, float]:
+    """Wait for a way, and return what it found."""
+    text, _ = process.communicate()
+    if process.returncode != 0:
+        raise subprocess.CalledProcessError(process.returncode, process.args)
+    found: dict[str, float] = json.loads(text)
     return found
 
 

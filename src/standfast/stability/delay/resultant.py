@@ -19,19 +19,13 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 from standfast.numerics.arrays import TURN, Scalar, namespace
+from standfast.numerics.complex_pairs import Complex, times
 from standfast.numerics.polynomials import OnCell, Polynomial, value_at
 
 Real: TypeAlias = Any  # a number, or a polynomial on a cell
 
 # Newton's method from ω good to rounding of R: the angle's digits double twice.
 POLISHING_STEPS = 4
-
-
-class Complex(NamedTuple):
-    """A complex number as two real ones, which compilers make vectors of."""
-
-    re: Scalar
-    im: Scalar
 
 
 class OnAxis(NamedTuple):
@@ -98,16 +92,16 @@ def refined(
     for _ in range(POLISHING_STEPS):
         at, by_s, by_z = _slopes_on_axis(quasi, omega, z)
         # Δ + i Δs dω − i z Δz dθ = 0 in two real unknowns
-        first, turned = Complex(-by_s.im, by_s.re), _times(z, by_z)
+        first, turned = Complex(-by_s.im, by_s.re), times(z, by_z)
         second = Complex(turned.im, -turned.re)
         area = first.re * second.im - first.im * second.re
         change = (at.im * second.re - at.re * second.im) / area
         turn = (at.re * first.im - at.im * first.re) / area
         omega = omega + change
-        z = _times(z, Complex(xp.cos(turn), -xp.sin(turn)))
+        z = times(z, Complex(xp.cos(turn), -xp.sin(turn)))
         correction = xp.maximum(abs(change) / omega, abs(turn))
     _, by_s, by_z = _slopes_on_axis(quasi, omega, z)
-    turned = _times(z, by_z)
+    turned = times(z, by_z)
     # i z Δz is (−Im, Re) of z Δz
     direction = xp.sign(by_s.im * turned.re - by_s.re * turned.im)
     theta = xp.arctan2(-z.im, z.re)
@@ -167,10 +161,6 @@ def _root_on_circle(q: Sequence[Scalar]) -> Scalar:
     return xp.where(nearer, second, first)
 
 
-def _times(p: Complex, q: Complex) -> Complex:
-    return Complex(p.re * q.re - p.im * q.im, p.re * q.im + p.im * q.re)
-
-
 def _plus(p: Complex, re: Scalar, im: Scalar) -> Complex:
     return Complex(p.re + re, p.im + im)
 
@@ -184,10 +174,10 @@ def _slopes_on_axis(
     at, by_s, by_z = nothing, nothing, nothing
     for q in reversed(quasi):  # Horner's scheme in z
         (even, odd), (slope, odd_slope) = parts(q), parts([k * c for k, c in enumerate(q)][1:])
-        by_z = _plus(_times(by_z, z), at.re, at.im)
-        at = _plus(_times(at, z), value_at(even, x), omega * value_at(odd, x))
+        by_z = _plus(times(by_z, z), at.re, at.im)
+        at = _plus(times(at, z), value_at(even, x), omega * value_at(odd, x))
         imaginary = omega * value_at(odd_slope, x) if odd_slope else 0.0
-        by_s = _plus(_times(by_s, z), value_at(slope, x), imaginary)
+        by_s = _plus(times(by_s, z), value_at(slope, x), imaginary)
     return at, by_s, by_z
 
 

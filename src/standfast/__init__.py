@@ -25,6 +25,7 @@ from standfast.stability.margins import safety_factor, stability_determinant, st
 from standfast.stability.modes import Modes, frequency, growth_rate, modes
 from standfast.stability.rounding import verdict_is_certain
 from standfast.stability.springs import critical_stiffness, equal_rotation
+from standfast.stability.sway.person import Spectrum, sway_covariance, sway_spectrum
 from standfast.study.study import Study
 from standfast.version import __version__
 
@@ -69,6 +70,7 @@ __all__ = [
     "Modes",
     "Person",
     "PopulationStudy",
+    "Spectrum",
     "Stiffness",
     "Study",
     "__version__",
@@ -97,6 +99,8 @@ __all__ = [
     "stability_determinant",
     "stiffness_matrix",
     "stiffness_reserve",
+    "sway_covariance",
+    "sway_spectrum",
     "sweep",
     "unstable_roots",
     "verdict_is_certain",

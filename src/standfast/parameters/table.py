@@ -14,6 +14,7 @@ SEGMENTS = ("shank", "thigh", "upper_body")
 COUPLED_JOINTS = (("ankle", "knee"), ("knee", "hip"), ("ankle", "hip"))
 COUPLINGS = tuple(f"{one}_{other}_stiffness" for one, other in COUPLED_JOINTS)
 DAMPINGS = tuple(f"{joint}_damping" for joint in JOINTS)
+NOISES = tuple(f"{joint}_noise" for joint in JOINTS)
 # Of feedback: the joint that makes the moment, the joint whose rotation is sensed.
 LOOPS = tuple((moment, rotation) for moment in JOINTS for rotation in JOINTS)
 
@@ -115,6 +116,21 @@ def _damping(joint: str) -> Parameter:
         0.0,
         1e5,
         section="damping",
+        key=joint,
+        default=0.0,
+        unwritten=True,
+    )
+
+
+def _noise(joint: str) -> Parameter:
+    return Parameter(
+        f"{joint}_noise",
+        rf"\sigma_{joint[0]}",
+        "N·m·√s",
+        f"white noise of the torque at the {joint}: root of its two-sided spectral density",
+        0.0,
+        1e4,
+        section="noise",
         key=joint,
         default=0.0,
         unwritten=True,
@@ -234,5 +250,6 @@ _TABLE = (
     ),
     *(_gain("proportional", "P", STIFFNESS_UNIT, *pair) for pair in LOOPS),
     *(_gain("derivative", "D", DAMPING_UNIT, *pair) for pair in LOOPS),
+    *map(_noise, JOINTS),
 )
 PARAMETERS = {row.name: row for row in _TABLE}

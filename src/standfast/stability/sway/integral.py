@@ -56,26 +56,36 @@ UNSEEN = np.stack([KRONROD - GAUSS, *(KRONROD * Legendre.basis(k)(NODES) for k i
 
 
 def integral(
-    row: int, swaying: Swaying, *, accuracy: float = ACCURACY, apply: Apply = directly
+    row: int,
+    swaying: Swaying,
+    *,
+    accuracy: float = ACCURACY,
+    size: np.ndarray | None = None,
+    apply: Apply = directly,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return (1/2π) ∫ of a row of densities, (persons,), and whether each is that accurate.
 
-    The persons must stand: of others the integral means nothing, and costs much.
+    The accuracy is relative to ``size``, (persons,), of a covariance the product of the deviations;
+    or to the integral itself. The persons must stand: of others the integral means nothing, and
+    costs much.
     """
     persons = swaying.delay.size
     found, sure = np.zeros(persons), np.zeros(persons, bool)
     for first in range(0, persons, PERSONS):
         some = slice(first, first + PERSONS)
         part = Swaying(*(each[..., some] for each in swaying))
-        found[some], sure[some] = _Rounds(row, part, accuracy, apply).integrated()
+        own = None if size is None else np.pi * size[some]
+        found[some], sure[some] = _Rounds(row, part, accuracy, own, apply).integrated()
     return found / np.pi, sure
 
 
 class _Rounds:
     """Intervals of some persons that are still to be integrated, and what is settled."""
 
-    def __init__(self, row: int, swaying: Swaying, accuracy: float, apply: Apply) -> None:
-        self.row, self.swaying, self.apply = row, swaying, apply
+    def __init__(
+        self, row: int, swaying: Swaying, accuracy: float, size: np.ndarray | None, apply: Apply
+    ) -> None:
+        self.row, self.swaying, self.size, self.apply = row, swaying, size, apply
         self.allowed = accuracy * SHARE
         self.scale = np.sqrt(np.asarray(apply(highest, Problem(3, 0), swaying.numbers)))
         self.done = np.zeros(swaying.delay.size)
@@ -90,9 +100,11 @@ class _Rounds:
             value, error = self._up_to(person, low, high)
             unseen[unseen] = self._hides_peak(person[unseen], low[unseen], high[unseen])
             rest, rest_error = self._beyond(whose, start)
-            size = self.allowed * abs(self.done + self._each(person, value)
-                                      + self._each(whose, rest))  # fmt: skip
-            wide, early = unseen | (error > size[person]), rest_error > size[whose]
+            size = self.size
+            if size is None:
+                size = abs(self.done + self._each(person, value) + self._each(whose, rest))
+            most = self.allowed * size
+            wide, early = unseen | (error > most[person]), rest_error > most[whose]
             self.done += self._each(person[~wide], value[~wide])
             self.done += self._each(whose[~early], rest[~early])
             if not (wide.any() or early.any()):

@@ -1,0 +1,180 @@
+"""How one person sways: covariance of the rotations, and spectra.
+
+notation: Σ covariance, S spectral density, τ delay, B damping, G gravity part of C, m g weight.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from standfast.anthropometry.body import Body
+from standfast.errors import InputError, says_its_arguments, shortened
+from standfast.mechanics.feedback import Feedback, checked_damping, checked_feedback
+from standfast.mechanics.joints import Stiffness, checked_person
+from standfast.mechanics.matrices import joint_gravity, joint_inertia, stiffness_rows
+from standfast.numerics.arrays import TURN, Array, Scalar
+from standfast.parameters import JOINTS, PARAMETERS, STANDARD_GRAVITY, checked_number
+from standfast.stability.feedback import is_stable
+from standfast.stability.sway.density import COM, COP, PAIRS, Swaying, densities
+from standfast.stability.sway.integral import integral
+from standfast.stability.sway.persons import swaying_of
+
+WRITE = "of feedback write feedback=Feedback(proportional=…, derivative=…, delay=…)"
+EXACT = 1e-10  # relative, of what is asked of one person
+
+
+class Spectrum(NamedTuple):
+    """One-sided power spectral densities of a person's sway, over the frequencies.
+
+    Attributes
+    ----------
+    frequency : (n,), Hz
+    ankle, knee, hip : (n,), rad²/Hz
+        of the rotations; 0 of a rigid joint.
+    com, cop : (n,), m²/Hz
+        of the centre of mass over the ankle, and of the centre of pressure.
+    """
+
+    frequency: Array
+    ankle: Array
+    knee: Array
+    hip: Array
+    com: Array
+    cop: Array
+
+
+@says_its_arguments(WRITE)
+def sway_covariance(
+    body: Body,
+    stiffness: Stiffness,
+    gravity: Scalar = STANDARD_GRAVITY,
+    *,
+    damping: Any = None,
+    feedback: Feedback | None = None,
+    noise: Any = (1.0, 1.0, 1.0),
+) -> Array:
+    """Return the covariance of the rotations of a person whose joints' torques are noisy.
+
+    Σ = (1/2π) ∫ H(iω) S H(iω)* dω,  H(s) = (A s² + B s + C + (P + D s) e^(−sτ))⁻¹,
+    S = diag(σa², σk², σh²), to 1e-9 relative. With one free joint and without delay it is
+    σ²/(2 B C). It grows without bounds as stability is lost.
+
+    Parameters
+    ----------
+    body, stiffness, gravity, damping, feedback
+        as of :func:`is_stable`.
+    noise
+        σ of the white torque noise at ankle, knee and hip (N·m·√s); of a rigid joint it means
+        nothing.
+
+    Returns
+    -------
+    (3, 3), rad², rows ankle, knee, hip; 0 of a rigid joint, ``inf`` where the person falls.
+
+    Raises
+    ------
+    InputError
+        if anything is out of range or of another shape.
+    ArithmeticError
+        if rounding leaves open whether the person stands, or how much.
+    """
+    swaying, stands = _swaying(body, stiffness, gravity, damping, feedback, noise)
+    if not stands:
+        free = np.isfinite(np.array(stiffness.joints, float))
+        return np.where(free[:, None] & free, np.inf, 0.0)
+    found = np.zeros((3, 3))
+    # variances first: what of a covariance is small is so beside them
+    for row, (i, j) in sorted(enumerate(PAIRS), key=lambda each: each[1][1] - each[1][0]):
+        size = None if i == j else np.sqrt(found[i, i] * found[j, j])[None]
+        moved = (swaying.noise > 0.0).any() and (size is None or size[0] > 0.0)
+        if not moved or np.isinf(stiffness.joints[i]) or np.isinf(stiffness.joints[j]):
+            continue
+        value, sure = integral(row, swaying, accuracy=EXACT, size=size)
+        if not sure[0]:
+            raise ArithmeticError("the person is too near to falling to say how much it sways")
+        found[i, j] = found[j, i] = value[0]
+    return found
+
+
+@says_its_arguments(WRITE)
+def sway_spectrum(
+    body: Body,
+    stiffness: Stiffness,
+    gravity: Scalar = STANDARD_GRAVITY,
+    *,
+    damping: Any = None,
+    feedback: Feedback | None = None,
+    noise: Any = (1.0, 1.0, 1.0),
+    frequency: Any,
+) -> Spectrum:
+    """Return the power spectral densities of a person's sway at some frequencies.
+
+    2 S(2πf) a hertz, S = H(iω) S_w H(iω)*, of :func:`sway_covariance`; over all frequencies the
+    density of a rotation adds up to its variance. The centre of pressure is that of the moment of
+    springs, damping and feedback at the ankle, through a low-pass at 10 Hz, forth and back, of the
+    second order (Santos & Duarte, PeerJ 4 (2016) e2648).
+
+    Parameters
+    ----------
+    frequency
+        Hz, above 0; one or more.
+
+    Others are those of :func:`sway_covariance`.
+
+    Raises
+    ------
+    InputError
+        if anything is out of range or of another shape, or the person falls.
+    """
+    hertz = np.atleast_1d(np.asarray(frequency, float))
+    if hertz.ndim != 1 or not hertz.size or not (np.isfinite(hertz) & (hertz >= 0.0)).all():
+        raise InputError(f"frequency = {shortened(frequency)} is not one or more numbers of Hz")
+    swaying, stands = _swaying(body, stiffness, gravity, damping, feedback, noise)
+    if not stands:
+        raise InputError("the person falls, and so has no spectrum of sway")
+    omega = TURN * hertz
+    rows = densities(swaying, omega, omega * swaying.delay)
+    ankle, knee, hip = (rows[PAIRS.index((joint, joint))] for joint in range(3))
+    return Spectrum(hertz, *(2.0 * row for row in (ankle, knee, hip, rows[COM], rows[COP])))
+
+
+def _swaying(
+    body: Body,
+    stiffness: Stiffness,
+    gravity: Scalar,
+    damping: Any,
+    feedback: Feedback | None,
+    noise: Any,
+) -> tuple[Swaying, bool]:
+    """Check what a public function is given; return the person, and whether it stands."""
+    checked_person(body, stiffness, gravity)
+    fed_back = checked_feedback(feedback)
+    stands = is_stable(body, stiffness, gravity, damping=damping, feedback=fed_back)
+    parts = (
+        joint_inertia(body),
+        checked_damping(damping),
+        stiffness_rows(body, stiffness, gravity),
+        fed_back.proportional,
+        fed_back.derivative,
+    )
+    numbers = np.array([np.asarray(part, np.float64) for part in parts])[..., None]
+    loads = np.array(joint_gravity(body, gravity)[0], float)
+    weight = np.array([float(np.sum(body.segment_mass)) * float(gravity)])
+    swaying = swaying_of(
+        numbers,
+        np.isinf(np.array(stiffness.joints, np.float64))[:, None],
+        np.array([float(fed_back.delay)]),
+        np.array(_checked_noise(noise))[:, None],
+        loads[:, None],
+        weight,
+    )
+    return swaying, stands
+
+
+def _checked_noise(noise: Any) -> list[float]:
+    if np.ndim(noise) != 1 or len(noise) != len(JOINTS):
+        raise InputError(f"noise = {shortened(noise)} is not three numbers: ankle, knee, hip")
+    return [
+        checked_number(f"{joint}_noise", value, row=PARAMETERS[f"{joint}_noise"])
+        for joint, value in zip(JOINTS, noise, strict=True)
+    ]

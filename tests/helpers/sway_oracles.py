@@ -3,7 +3,6 @@
 import numpy as np
 from scipy.linalg import expm, solve_continuous_lyapunov
 
-
 RATE = 10.0  # 1/s, what velocities are counted in: numbers of one size keep their digits
 
 

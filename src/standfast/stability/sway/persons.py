@@ -11,7 +11,7 @@ from standfast.stability.sway.density import Swaying
 from standfast.stability.sway.integral import ACCURACY, integral
 
 JOINTS = range(3)
-# What stands in place of a rigid joint's row and column in A, B and C: (1 + s)², never 0 on the axis.
+# What stands for a rigid joint in A, B, C, P and D: (1 + s)², never 0 on the axis.
 IN_PLACE = (1.0, 2.0, 1.0, 0.0, 0.0)
 
 

@@ -15,19 +15,23 @@ import numpy as np
 
 from standfast.engine.mapping import Inputs, along_axis, in_batches, map_over_grid
 from standfast.mechanics.feedback import equation_of
+from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import Array
+from standfast.parameters import NOISES
 from standfast.quantities import QUANTITIES, Person
 from standfast.stability.delay.answers import FedBack, of_whom
 from standfast.stability.delay.persons import all_crossings, all_rightmost
 from standfast.stability.delay.problem import Apply, directly
 from standfast.stability.delay.table import Crossings
 from standfast.stability.exact import exact_threshold
+from standfast.stability.sway.persons import swaying_of, variance
 from standfast.study.grid import Group, Tile
 from standfast.study.study import Study
 
 DELAY = "feedback_delay"
 FEW = 1000  # points that are found before anything is compiled
 KEPT = 16  # tables that are kept between tiles
+OF_GRIDS = 2e-7  # accuracy of variances that is asked; the worst of 10,000 came out at 1e-6
 
 
 class Delays:
@@ -58,7 +62,12 @@ class Delays:
             chunk = chunk[: self.place] + chunk[self.place + 1 :]
             sides = sides[: self.place] + sides[self.place + 1 :]
         numbers, rigid, table = self.tables(chunk)
-        asked = FedBack(table, delays, lambda: self._roots(numbers, rigid, delays))
+        asked = FedBack(
+            table,
+            delays,
+            lambda: self._roots(numbers, rigid, delays),
+            lru_cache(lambda row: self._variance(row, chunk, delays)),
+        )
         found = []
         for name, answer in zip(self.group.quantities, self.answers, strict=True):
             if answer is None:
@@ -73,14 +82,7 @@ class Delays:
 
     def _table(self, chunk: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, Crossings]:
         """Return matrices, rigid joints and crossings on a chunk of the other axes."""
-        sides = [
-            side
-            for name, side in zip(self.group.axes, self.group.chunk_shape, strict=True)
-            if name != DELAY
-        ]
-        counts = [len(self.study.axes[name]) for name in self.others]
-        starts = [number * side for number, side in zip(chunk, sides, strict=True)]
-        at = dict(zip(self.others, map(along_axis, starts, sides, counts), strict=True))
+        sides, starts, counts, at = self._places(chunk)
         entries = _matrices(self.others)(self.inputs.fixed, self.inputs.pieces(at))
         numbers = np.stack([np.asarray(entry).ravel() for entry in entries]).reshape(5, 3, 3, -1)
         rigid = np.isinf(numbers[2].diagonal()).T
@@ -99,6 +101,40 @@ class Delays:
         within = table.uncertain.reshape(sides)[tuple(slice(length) for length in inside)]
         self._count(int(within.sum()))
         return numbers, rigid, table
+
+    def _places(
+        self, chunk: tuple[int, ...]
+    ) -> tuple[list[int], list[int], list[int], dict[str, np.ndarray]]:
+        """Return sides and starts of a chunk of the other axes, their lengths, and its places."""
+        sides = [
+            side
+            for name, side in zip(self.group.axes, self.group.chunk_shape, strict=True)
+            if name != DELAY
+        ]
+        counts = [len(self.study.axes[name]) for name in self.others]
+        starts = [number * side for number, side in zip(chunk, sides, strict=True)]
+        at = dict(zip(self.others, map(along_axis, starts, sides, counts), strict=True))
+        return sides, starts, counts, at
+
+    def _variance(self, row: int, chunk: tuple[int, ...], delays: np.ndarray) -> np.ndarray:
+        """Return the integral of a row of densities of each person at each delay."""
+        numbers, rigid, table = self.tables(chunk)
+        *_, at = self._places(chunk)
+        moved = _moved(self.others)(self.inputs.fixed, self.inputs.pieces(at))
+        more = np.stack([np.asarray(entry).ravel() for entry in moved])
+        persons = rigid.shape[1]
+        stands = table.stable_at(delays).astype(bool)
+
+        def each(values: np.ndarray) -> np.ndarray:
+            return np.repeat(values, delays.size, axis=-1)
+
+        swaying = swaying_of(
+            each(numbers), each(rigid), np.tile(delays, persons),
+            each(more[:3]), each(more[3:6]), each(more[6]),
+        )  # fmt: skip
+        found, sure = variance(row, swaying, stands.ravel(), accuracy=OF_GRIDS, apply=self.apply)
+        self._count(int((~sure).sum()))
+        return found.reshape(persons, -1)
 
     def _roots(
         self, numbers: np.ndarray, rigid: np.ndarray, delays: np.ndarray
@@ -127,6 +163,20 @@ def _matrices(axes: tuple[str, ...]) -> Any:
         parts = equation_of(person.body, person.stiffness, person.gravity, person.given)
         entries = (entry for part in parts for row in part for entry in row)
         return tuple(jnp.asarray(entry, jnp.float64) for entry in entries)
+
+    return map_over_grid(of_one, axes)
+
+
+@lru_cache(maxsize=64)
+def _moved(axes: tuple[str, ...]) -> Any:
+    """Compile what sway needs beside the matrices: noises, the loads at the ankle, the weight."""
+
+    def of_one(given: dict[str, Any]) -> tuple[Array, ...]:
+        person = Person.of(given)
+        noises = (person.given[name] for name in NOISES)
+        loads, _, _ = joint_gravity(person.body, person.gravity)
+        weight = person.gravity * sum(person.body.segment_mass)
+        return tuple(jnp.asarray(entry, jnp.float64) for entry in (*noises, *loads, weight))
 
     return map_over_grid(of_one, axes)
 

@@ -2,7 +2,7 @@
 
 from standfast.mechanics.feedback import delay_of, equation_of
 from standfast.numerics.arrays import namespace
-from standfast.quantities.row import Person, Quantity
+from standfast.quantities.row import NOISE, Person, Quantity
 from standfast.stability.delay import answers, one_joint
 
 
@@ -22,7 +22,7 @@ OF_FEEDBACK = (
         "s",
         "smallest delay at which stability is lost, 0 if unstable without delay, inf if never",
         None,
-        without=("feedback_delay",),
+        without=("feedback_delay", NOISE),
         fed_back=answers.critical_delay,
         of_one_joint=lambda one: one_joint.critical_delay(joint_of(one)),
     ),
@@ -32,6 +32,7 @@ OF_FEEDBACK = (
         "s",
         "critical delay less the delay of the feedback",
         None,
+        without=(NOISE,),
         fed_back=answers.delay_margin,
         of_one_joint=lambda one: one_joint.critical_delay(joint_of(one)) - delay_of(one.given),
     ),
@@ -41,6 +42,7 @@ OF_FEEDBACK = (
         "1",
         "number of characteristic roots with a positive real part",
         None,
+        without=(NOISE,),
         dtype="uint8",
         fed_back=answers.unstable_roots,
         of_one_joint=lambda one: one_joint.unstable_roots(joint_of(one), delay_of(one.given)),
@@ -51,6 +53,7 @@ OF_FEEDBACK = (
         "1/s",
         "rate at which sway decays, of the rightmost root, negative where the person falls",
         None,
+        without=(NOISE,),
         fed_back=answers.decay_rate,
     ),
     Quantity(
@@ -59,6 +62,7 @@ OF_FEEDBACK = (
         "Hz",
         "frequency of the rightmost root",
         None,
+        without=(NOISE,),
         fed_back=answers.sway_frequency,
     ),
     Quantity(
@@ -67,6 +71,7 @@ OF_FEEDBACK = (
         "1",
         "damping ratio of the rightmost root, negative where the person falls",
         None,
+        without=(NOISE,),
         fed_back=answers.damping_ratio,
     ),
 )

@@ -108,13 +108,14 @@ class Quantity:
     def depends_on(self, parameter: str, *, study_has_gains: bool = False) -> bool:
         """Return whether a parameter, by its name, can change it.
 
-        What springs decide without gains depends on all that is of nerves with them.
+        What springs decide without gains depends with them on all that is of nerves but noise.
         """
-        if study_has_gains and self.fed_back is not None and self.reference is not None:
-            return True
+        fed_back = study_has_gains and self.fed_back is not None and self.reference is not None
         section = PARAMETERS[parameter].section
-        return not {parameter, section, section.partition(".")[0]} & set(self.without)
+        without = (NOISE,) if fed_back else self.without
+        return not {parameter, section, section.partition(".")[0]} & set(without)
 
 
-# What is not of springs and gravity, in sections of parameters.
-NERVES = ("damping", "feedback")
+# The section of parameters that make a person sway, and what is not of springs and gravity.
+NOISE = "noise"
+NERVES = ("damping", "feedback", NOISE)

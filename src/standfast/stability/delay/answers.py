@@ -19,12 +19,14 @@ class FedBack:
     """Persons with delayed feedback: their crossings, the delays that are asked, their roots.
 
     ``find_roots`` gives the rightmost root of each person at each delay, (persons, delays), and
-    whether it is proven; it is asked once, and only by who needs it.
+    whether it is proven; it is asked once, and only by who needs it. ``variance`` gives the
+    integral of a row of the densities of sway, (persons, delays).
     """
 
     crossings: Crossings
     delays: np.ndarray
     find_roots: Callable[[], tuple[np.ndarray, np.ndarray]]
+    variance: Callable[[int], np.ndarray]
 
     @cached_property
     def roots(self) -> np.ndarray:

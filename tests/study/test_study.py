@@ -23,12 +23,12 @@ WRONG = [
     (
         "gravty",
         9.8,
-        "study has no key 'gravty'; did you mean 'gravity'? (keys: title, gravity, body, stiffness, damping, feedback, output)",
+        "study has no key 'gravty'; did you mean 'gravity'? (keys: title, gravity, body, stiffness, damping, feedback, noise, output)",
     ),
     (
         "titel",
         "x",
-        "study has no key 'titel'; did you mean 'title'? (keys: title, gravity, body, stiffness, damping, feedback, output)",
+        "study has no key 'titel'; did you mean 'title'? (keys: title, gravity, body, stiffness, damping, feedback, noise, output)",
     ),
     ("title", 5, "title = 5 is not one line of text"),
     ("gravity", -9.8, "gravity = -9.8 is outside the allowed range, 0.001 to 200 m/s²"),

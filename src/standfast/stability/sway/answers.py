@@ -13,7 +13,8 @@ def deviation(row: int) -> Callable[[FedBack], np.ndarray]:
     """Return the answer that is the root of a variance, ``row`` of the densities."""
 
     def found(asked: FedBack) -> np.ndarray:
-        return np.sqrt(asked.variance(row))
+        size: np.ndarray = np.sqrt(asked.variance(row))
+        return size
 
     return found
 
@@ -26,4 +27,5 @@ def mean_frequency(asked: FedBack) -> np.ndarray:
     size = asked.variance(COP)
     sways = np.isfinite(size) & (size > 0.0)
     times_omega = np.where(sways, asked.variance(COP_TIMES_OMEGA), np.nan)
-    return times_omega / (TURN * np.where(sways, size, 1.0))
+    frequency: np.ndarray = times_omega / (TURN * np.where(sways, size, 1.0))
+    return frequency

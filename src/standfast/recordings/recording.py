@@ -13,8 +13,9 @@ SHORTEST = 5.0  # s
 # Windows of 30 s, half overlapping: three of them.
 ENOUGH = 60.0
 SLOWEST, FASTEST = 20.0, 10_000.0  # Hz
-# Root mean square distance from the mean (m): no one who stands is outside of the first limits; the
-# 1,930 trials of Santos & Duarte, eyes closed on foam too, are inside of the second.
+# Root mean square distance from the mean (m): no one who stands is outside of the first limits; by
+# their published areas nearly all of 1,930 trials of Santos & Duarte, eyes closed on foam too, are
+# inside of the second.
 POSSIBLE, USUAL = (1e-4, 0.1), (8e-4, 0.03)
 NOISY = 150.0  # Hz; faster, differences of samples are mostly the plate's noise
 JUMP = 2.0  # m/s

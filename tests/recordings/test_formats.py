@@ -111,7 +111,7 @@ def test_short_gaps_are_filled_and_told(tmp_path):
     assert set(wrong) <= {999, 1000, *range(2999, 3004)}
     np.testing.assert_allclose(found.ap, AP, rtol=0, atol=2e-5)  # of a line through 50 ms
     assert found.remarks == (
-        "7 samples are missing in 2 places (the first after 9.99 s, line 1000) and filled along "
+        "7 samples are missing in 2 places (the first after 9.98 s, line 1000) and filled along "
         "straight lines",
     )
 

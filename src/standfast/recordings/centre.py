@@ -115,9 +115,7 @@ def _of_moments(
     load = numbers["Fz"]
     _check_load(load, table)
     lean = {axis: surface * numbers[f"F{axis}"] if surface else 0.0 for axis in AXES}
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        x, y = (lean["x"] - numbers["My"]) / load, (lean["y"] + numbers["Mx"]) / load
-    return x, y
+    return (lean["x"] - numbers["My"]) / load, (lean["y"] + numbers["Mx"]) / load
 
 
 def _check_load(load: Array, table: Table) -> None:

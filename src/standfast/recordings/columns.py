@@ -40,6 +40,7 @@ PATTERNS = {
 }
 # Of Kistler's BioWare: the centre of pressure, where a length says that it is no acceleration.
 KISTLER = re.compile(r"a([xy])()")
+BARE = re.compile(f"([xyz])(?:{'|'.join(UNITS['length'])})?")
 LAST_WORD = re.compile(r"[\[({_ ]\s*([^\[\](){}_ ]+)\s*[\])}]?\s*$")
 
 
@@ -71,6 +72,10 @@ def recognised(names: Sequence[str], units: Sequence[str]) -> dict[str, list[Col
             if match and compact(below) in UNITS["length"]:
                 unit = UNITS["length"][compact(below)]
                 found.setdefault(match[1], []).append(Column(place, name.strip(), unit))
+    if any((bare := BARE.fullmatch(compact(name))) and bare[1] == "z" for name in names):
+        for axis in "xy":  # of a marker, or of anything else in space
+            plain = [c for c in found.pop(axis, []) if not BARE.fullmatch(compact(c.name))]
+            found |= {axis: plain} if plain else {}
     return found
 
 

@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from standfast.errors import InputError, says_its_arguments, shortened
 from standfast.files import checked_path
 from standfast.numerics.arrays import Array
@@ -72,7 +74,8 @@ def read_recording(
     given = None if rate is None else checked_rate("rate", rate)
     height = _checked_surface(surface)
     try:
-        samples, remarks = _samples(where, time, ap, ml, unit, given, height)
+        with np.errstate(all="ignore"):  # of numbers that no plate writes, refused as what they are
+            samples, remarks = _samples(where, time, ap, ml, unit, given, height)
         return Recording(samples.ap, samples.ml, samples.rate, name, tuple(remarks))
     except InputError as error:
         told = str(error)

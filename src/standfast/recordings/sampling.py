@@ -67,7 +67,8 @@ def evenly(time: Array | None, rate: float, ap: Array, ml: Array, lines: list[in
             said = "samples are not evenly spaced in time, and interpolated to even steps"
             remarks.append(f"{said} of {1e3 / found:.4g} ms")
             there = np.isfinite(ap) & np.isfinite(ml)
-            _refuse_long(np.diff(time[there]) * found - 1.0, time[there], number[there], found)
+            gaps = np.diff(time[there]) * found - 1.0
+            _refuse_long(gaps, time[there] - time[0], number[there], found)
             even = np.arange(time[there][0], time[there][-1] + 0.5 / found, 1.0 / found)
             ap, ml = (np.interp(even, time[there], each[there]) for each in (ap, ml))
             return Samples(ap, ml, found, remarks)
@@ -128,6 +129,7 @@ def _places(time: Array, lines: Array) -> tuple[Array | None, float]:
     step = float(np.median(steps))
     ordinary = steps[steps <= GAP * step]
     step = float(ordinary.mean())
+    _refuse_long(steps / step - 1.0, time[:-1] - time[0], lines, 1.0 / step)
     if np.abs(ordinary - step).max() > UNEVEN * step:
         return None, _rounded(1.0 / step)
     return np.concatenate([[0], np.cumsum(np.rint(steps / step))]).astype(int), _rounded(1.0 / step)
@@ -152,10 +154,11 @@ def _filled(ap: Array, ml: Array, rate: float, lines: Array, remarks: list[str])
     if not runs:
         return Samples(ap, ml, rate, remarks)
     lengths = np.array([length for _, length in runs], float)
-    starts = [begin for begin, _ in runs]
-    _refuse_long(lengths, np.array(starts) / rate, lines[np.array(starts) - 1], rate)
+    before = np.array([begin - 1 for begin, _ in runs])
+    times, lines = (first + before) / rate, lines[before]
+    _refuse_long(lengths, times, lines, rate)
     count = int(missing.sum())
-    where = f"the first after {starts[0] / rate:.4g} s, line {lines[starts[0] - 1]}"
+    where = f"the first after {times[0]:.4g} s, line {lines[0]}"
     if count > MOST_MISSING * ap.size:
         raise InputError(
             f"{count:,} of {ap.size:,} samples are missing ({where}); at most "

@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 import standfast as sf
+from recordings import sway, table
 from standfast.population.people.study import PopulationStudy
 from standfast.quantities import QUANTITIES
+from standfast.recordings.measures import MEASURES
 
 DOCS = Path(__file__).parents[1] / "docs"
 
@@ -86,3 +88,17 @@ def test_the_published_law_of_the_page_on_people_is_a_study_and_says_its_numbers
     ):
         assert given.relative_to == "mgh"
         assert given.numbers[0] == pytest.approx(printed / law.load, abs=5e-5)
+
+
+def test_the_page_on_recordings_runs(tmp_path, monkeypatch):
+    page = (DOCS / "recordings.md").read_text("utf-8")
+    (block,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    _, ap, ml = sway()
+    text = table(["COP_AP", "COP_ML"], [1e3 * ap, 1e3 * ml])
+    (tmp_path / "recording.csv").write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    space: dict = {}
+    exec(block, space)  # noqa: S102 - the code of our own page
+    assert space["measures"].sd_ap == pytest.approx(ap.std(ddof=1), rel=1e-2)  # after the low-pass
+    for holds in MEASURES.values():
+        assert holds.meaning.split(",")[0] in page

@@ -39,6 +39,7 @@ ROOMS = [
     "population.cohort",
     "population.summary",
     "population",
+    "recordings",
     "thresholds",
     "figures",
     "plot",

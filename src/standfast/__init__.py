@@ -41,6 +41,9 @@ if TYPE_CHECKING:
     from standfast.population.people.study import PopulationStudy
     from standfast.population.simulation import simulate
     from standfast.population.summary.file import open_population
+    from standfast.recordings.measures import SwayMeasures, sway_measures
+    from standfast.recordings.reading import read_recording
+    from standfast.recordings.recording import Recording
     from standfast.run.lock import BusyError
 
 # Where the names lie that need h5py or JAX, or are read once in a while; imported when they are
@@ -57,6 +60,10 @@ LAZY = {
     "open_population": "standfast.population.summary.file",
     "read_people": "standfast.population.people.records",
     "simulate": "standfast.population.simulation",
+    "Recording": "standfast.recordings.recording",
+    "SwayMeasures": "standfast.recordings.measures",
+    "read_recording": "standfast.recordings.reading",
+    "sway_measures": "standfast.recordings.measures",
 }
 
 __all__ = [
@@ -70,9 +77,11 @@ __all__ = [
     "Modes",
     "Person",
     "PopulationStudy",
+    "Recording",
     "Spectrum",
     "Stiffness",
     "Study",
+    "SwayMeasures",
     "__version__",
     "add_quantity",
     "assess",
@@ -93,6 +102,7 @@ __all__ = [
     "plot",
     "potential_energy",
     "read_people",
+    "read_recording",
     "rightmost_root",
     "safety_factor",
     "simulate",
@@ -100,6 +110,7 @@ __all__ = [
     "stiffness_matrix",
     "stiffness_reserve",
     "sway_covariance",
+    "sway_measures",
     "sway_spectrum",
     "sweep",
     "unstable_roots",

@@ -16,6 +16,7 @@ from standfast.cli import (
     plot,
     population,
     reproduce,
+    sway,
     sweep,
     thresholds,
 )
@@ -93,7 +94,18 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"standfast {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in (sweep, thresholds, plot, population, person, assess, laws, info, reproduce):
+    for command in (
+        sweep,
+        thresholds,
+        plot,
+        population,
+        person,
+        assess,
+        sway,
+        laws,
+        info,
+        reproduce,
+    ):
         command.add(commands)
     return parser
 

@@ -34,6 +34,8 @@ KEYED = {
     "feedback.proportional": "proportional",
     "feedback.derivative": "derivative",
 }
+# Verdicts, thresholds, margins and modes do not depend on it.
+NOISE = "noise"
 
 
 def add(commands: Any) -> None:
@@ -47,7 +49,7 @@ def add(commands: Any) -> None:
     words = "a study, whose fixed numbers are taken where no option gives another"
     parser.add_argument("start", nargs="?", metavar="STUDY.toml", help=words)
     for row in PARAMETERS.values():
-        if row.name not in OWN_BODY and row.section not in KEYED:
+        if row.name not in OWN_BODY and row.section not in (*KEYED, NOISE):
             metavar = "MODEL" if row.choices else "X"
             parser.add_argument(_option(row), metavar=metavar, help=_help(row))
     for part, names in SEGMENT_NUMBERS.items():
@@ -103,7 +105,7 @@ def _given(options: argparse.Namespace) -> dict[str, Any]:
 
     content: dict[str, Any] = {}
     for row in PARAMETERS.values():
-        if row.name not in OWN_BODY and row.section not in KEYED:
+        if row.name not in OWN_BODY and row.section not in (*KEYED, NOISE):
             text = getattr(options, row.key)
             if text is not None:
                 _put(content, row.section, row.key, text if row.choices else _plain(text))
@@ -140,7 +142,7 @@ def _fill(content: dict[str, Any], path: Path) -> None:
         row = PARAMETERS[name]
         part = row.section.removeprefix("body.") if name in OWN_BODY else row.key
         of_body = row.section.partition(".")[0] == "body"
-        if of_body and (scaled or part in chosen):
+        if row.section == NOISE or (of_body and (scaled or part in chosen)):
             continue
         if not of_body and _has(content, row.section, row.key):
             continue

@@ -50,8 +50,8 @@ def digest(paths: Sequence[Path]) -> str:
     return hashlib.sha256(b"".join(digests)).hexdigest()
 
 
-def bytes_of(path: Path) -> bytes:
-    """Return what is in a file, or comes through standard input."""
+def bytes_of(path: Path, of: str = "people") -> bytes:
+    """Return what is in a file, or comes through standard input; messages say ``of`` what it is."""
     if str(path) == STANDARD_INPUT:
         with open(0, "rb", closefd=False) as stream:  # a number, not a path
             return stream.read()
@@ -59,9 +59,9 @@ def bytes_of(path: Path) -> bytes:
         with opened_plainly(path) as file:
             return file.read()
     except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file of people") from None
+        raise InputError(f"{path}: there is no such file of {of}") from None
     except IsADirectoryError:
-        raise InputError(f"{path} is a folder; give a CSV file of people") from None
+        raise InputError(f"{path} is a folder; give a CSV file of {of}") from None
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}") from None
     except ValueError:
@@ -87,7 +87,7 @@ def text_of(path: Path) -> Text:
         return _spreadsheet(str(name), raw)
     if raw.startswith(OLD_EXCEL):
         raise InputError(f"{name} is a file of old Excel; save it as .xlsx or as CSV")
-    text = _decoded(str(name), raw)
+    text = decoded(str(name), raw)
     if not text.strip():
         raise InputError(f"{name} is empty; give a header line and one line a person")
     header_line = text.lstrip().splitlines()[0]
@@ -100,7 +100,14 @@ def text_of(path: Path) -> Text:
     return Text(separator, rows)
 
 
-def _decoded(name: str, raw: bytes) -> str:
+def decoded(name: str, raw: bytes) -> str:
+    """Return bytes as text: by the mark they begin with, else UTF-8, else the letters of Windows.
+
+    Raises
+    ------
+    InputError
+        if they begin with a mark and do not go on so.
+    """
     for mark, encoding in MARKS:
         if raw.startswith(mark):
             try:

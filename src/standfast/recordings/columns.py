@@ -1,0 +1,146 @@
+"""What the columns of a recording hold, and in which units, by their names.
+
+A name says the direction (``COP_AP``, ``CoP-X``, ``Fz``) and may say the unit after it
+(``ap [cm]``, ``CoP-X (mm)``, ``time_ms``); a line of units below the names may say it too.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from standfast.errors import InputError, shortened
+
+# By the kind of a column how many SI units one of its units is; units in lower case without signs.
+UNITS: Mapping[str, Mapping[str, float]] = {
+    "time": {"s": 1.0, "sec": 1.0, "secs": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3},
+    "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "inch": 0.0254},
+    "force": {"n": 1.0, "kn": 1e3},
+    "moment": {"nm": 1.0, "nmm": 1e-3, "ncm": 1e-2, "knm": 1e3},
+}
+# As messages write them.
+WRITTEN = {"time": "s, ms", "length": "m, cm, mm", "force": "N, kN", "moment": "N·m, N·mm"}
+
+# Which plate, or how it was put together; a left or right foot's is not the person's.
+OF_PLATE = r"(?:(?:force)?plate|fp|net|total|combined)?\d*"
+COP = r"(?:cop|cp|cent(?:er|re)ofpressure)"
+# By what a column holds the kind of its unit, and its name in lower case without signs.
+NAMES: Mapping[str, tuple[str, str]] = {
+    "time": ("time", r"(?:abs|absolute|rel|relative|elapsed)?(?:time|timestamp|t|zeit)"),
+    "ap": ("length", rf"{OF_PLATE}{COP}?(?:ap|anteroposterior|anteriorposterior){COP}?\d?"),
+    "ml": ("length", rf"{OF_PLATE}{COP}?(?:ml|mediolateral|mediallateral){COP}?\d?"),
+    **{
+        axis: ("length", rf"{OF_PLATE}(?:(?:{COP}c?|c)?{axis}\d?|{axis}{COP})") for axis in "xy"
+    },
+    **{f"F{axis}": ("force", rf"{OF_PLATE}(?:f|(?:force|grf)f?){axis}\d?") for axis in "xyz"},
+    **{f"M{axis}": ("moment", rf"{OF_PLATE}(?:m|(?:moment|torque)m?){axis}\d?") for axis in "xyz"},
+}  # fmt: skip
+PATTERNS = {
+    holds: re.compile(f"{pattern}({'|'.join(UNITS[kind])})?")
+    for holds, (kind, pattern) in NAMES.items()
+}
+# Of Kistler's BioWare: the centre of pressure, where a length says that it is no acceleration.
+KISTLER = re.compile(r"a([xy])()")
+BARE = re.compile(f"([xyz])(?:{'|'.join(UNITS['length'])})?")
+LAST_WORD = re.compile(r"[\[({_ ]\s*([^\[\](){}_ ]+)\s*[\])}]?\s*$")
+
+
+class Column(NamedTuple):
+    """A column of a table: its place, its name, and how many SI units one of it is if known."""
+
+    place: int
+    name: str
+    unit: float | None
+
+
+def compact(text: str) -> str:
+    """Return letters and digits in lower case: ``CoP-X (mm)`` is ``copxmm``."""
+    return re.sub(r"[^a-z0-9]+", "", text.lower().replace("µ", "u").replace("μ", "u"))
+
+
+def recognised(names: Sequence[str], units: Sequence[str]) -> dict[str, list[Column]]:
+    """Return the columns by what they hold; ``units`` are those of a line below, else empty."""
+    found: dict[str, list[Column]] = {}
+    for place, name in enumerate(names):
+        below = units[place] if place < len(units) else ""
+        for holds, pattern in PATTERNS.items():
+            if match := pattern.fullmatch(compact(name)):
+                unit = _unit(name, NAMES[holds][0], match[1] or "", below)
+                found.setdefault(holds, []).append(Column(place, name.strip(), unit))
+                break
+        else:
+            match = KISTLER.fullmatch(compact(name))
+            if match and compact(below) in UNITS["length"]:
+                unit = UNITS["length"][compact(below)]
+                found.setdefault(match[1], []).append(Column(place, name.strip(), unit))
+    if any((bare := BARE.fullmatch(compact(name))) and bare[1] == "z" for name in names):
+        for axis in "xy":  # of a marker, or of anything else in space
+            plain = [c for c in found.pop(axis, []) if not BARE.fullmatch(compact(c.name))]
+            found |= {axis: plain} if plain else {}
+    return found
+
+
+def are_units(cells: Sequence[str]) -> bool:
+    """Return whether the cells of a line are all units of some kind, or empty."""
+    known = set().union(*UNITS.values())
+    words = [compact(cell) for cell in cells if cell.strip()]
+    return bool(words) and sum(word in known for word in words) >= 0.5 * len(words)
+
+
+def chosen(
+    option: str, given: str, names: Sequence[str], units: Sequence[str], kind: str
+) -> Column:
+    """Return the column that an option names, or counts from 1.
+
+    Raises
+    ------
+    InputError
+        if there is none.
+    """
+    wanted = given.strip().lower()
+    places = [place for place, name in enumerate(names) if name.strip().lower() == wanted]
+    if not places and wanted.isascii() and wanted.isdecimal() and 1 <= int(wanted) <= len(names):
+        places = [int(wanted) - 1]
+    if len(places) != 1:
+        wrong = "names no column" if not places else f"names {len(places)} columns"
+        raise InputError(
+            f"{option} = {shortened(given)} {wrong}; give a name or a number from 1 to "
+            f"{len(names)} {listed(names)}"
+        )
+    (place,) = places
+    name = names[place].strip()
+    last = LAST_WORD.search(name)
+    told = compact(last[1]) if last else ""
+    below = units[place] if place < len(units) else ""
+    return Column(place, name, _unit(name, kind, told if told in UNITS[kind] else "", below))
+
+
+def listed(names: Sequence[str]) -> str:
+    """Say which columns a table has."""
+    some = ", ".join(repr(name.strip()) for name in names[:12] if name.strip())
+    return f"(columns there: {some}{', …' if len(names) > 12 else ''})"
+
+
+def unit_of(option: str, given: str, kind: str) -> float:
+    """Return how many SI units a unit is that a user gives.
+
+    Raises
+    ------
+    InputError
+        if it is none of its kind.
+    """
+    known = UNITS[kind]
+    if not isinstance(given, str) or compact(given) not in known:
+        raise InputError(f"{option} = {shortened(given)} is not one of {WRITTEN[kind]}")
+    return known[compact(given)]
+
+
+def _unit(name: str, kind: str, told: str, below: str) -> float | None:
+    """Return the unit that the name or the line below it says."""
+    known = UNITS[kind]
+    if told:
+        return known[told]
+    if below.strip() and compact(below) not in known:
+        raise InputError(
+            f"the column {name.strip()!r} is in {below.strip()!r}, and {WRITTEN[kind]} are known"
+        )
+    return known.get(compact(below))

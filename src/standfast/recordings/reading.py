@@ -1,0 +1,182 @@
+"""A recording out of the file of a force plate: CSV, TSV or text, with lines before the table."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from standfast.errors import InputError, says_its_arguments, shortened
+from standfast.files import checked_path
+from standfast.numerics.arrays import Array
+from standfast.population.people.decoding import (
+    MARKS,
+    OLD_EXCEL,
+    STANDARD_INPUT,
+    ZIPPED,
+    bytes_of,
+    called,
+    decoded,
+)
+from standfast.recordings.centre import centre_of, only
+from standfast.recordings.columns import Column, chosen, listed, recognised
+from standfast.recordings.recording import Recording, checked_rate
+from standfast.recordings.sampling import Samples, evenly, in_seconds
+from standfast.recordings.table import Table, numbers_in, rate_above, table_of
+
+HIGHEST_SURFACE = 0.3  # m
+
+
+@says_its_arguments()
+def read_recording(
+    path: str | Path,
+    *,
+    time: str | None = None,
+    ap: str | None = None,
+    ml: str | None = None,
+    unit: str | None = None,
+    rate: float | None = None,
+    surface: float = 0.0,
+) -> Recording:
+    """Read the centre of pressure of a person on a force plate from a file.
+
+    Columns are found by their names, units by what is in the names or the line below them. From
+    forces and moments it is, at the surface of the plate (z = d),
+
+    x = (d Fx − My)/Fz,  y = (d Fy + Mx)/Fz.
+
+    Parameters
+    ----------
+    path
+        CSV, TSV or text; ``-`` is standard input.
+    time, ap, ml
+        name or number (from 1) of a column where names do not say it; ``ap="y"`` says that the
+        plate's y is anterior-posterior (x, if nothing says it, which a remark tells).
+    unit
+        of the centre of pressure (m, cm, mm) or of the moments (N·m, N·mm), where names do not say
+        it.
+    rate
+        Hz, where there is no column of time; both may be given if they agree.
+    surface
+        d (m): height of the surface over the origin of the moments along the plate's z, below 0
+        where z points down.
+
+    Raises
+    ------
+    InputError
+        if what a column holds, or its unit, is not clear, or what it holds is no recording of quiet
+        standing (:class:`Recording`).
+    """
+    where = checked_path("path", path)
+    name = called(where) if str(where) == STANDARD_INPUT else str(where)
+    _check_words(time=time, ap=ap, ml=ml, unit=unit)
+    given = None if rate is None else checked_rate("rate", rate)
+    height = _checked_surface(surface)
+    try:
+        with np.errstate(all="ignore"):  # of numbers that no plate writes, refused as what they are
+            samples, remarks = _samples(where, time, ap, ml, unit, given, height)
+        return Recording(samples.ap, samples.ml, samples.rate, name, tuple(remarks))
+    except InputError as error:
+        told = str(error)
+        raise InputError(told if told.startswith(name) else f"{name}: {told}") from None
+
+
+def _samples(
+    path: Path,
+    time: str | None,
+    ap: str | None,
+    ml: str | None,
+    unit: str | None,
+    rate: float | None,
+    surface: float,
+) -> tuple[Samples, list[str]]:
+    """Return even samples of a file, and what is to be said of how they were read."""
+    table = table_of(_text(path), _known)
+    found = recognised(table.names, table.units)
+    remarks = list(table.remarks)
+    times = _time(table, found, time, rate, remarks)
+    columns, said = centre_of(table, found, ap, ml, unit, surface)
+    known = (rate or 0.0) if times is not None else _rate(table, rate, remarks)
+    samples = evenly(times, known, *columns, table.lines)
+    return samples, [*said, *remarks, *samples.remarks]
+
+
+def _known(names: Sequence[str], units: Sequence[str]) -> int:
+    try:
+        return len(recognised(names, units))
+    except InputError:  # of a unit, which is said once the columns are chosen
+        return len(recognised(names, ()))
+
+
+def _check_words(**given: Any) -> None:
+    for name, value in given.items():
+        if value is not None and not isinstance(value, str):
+            raise InputError(f"{name} = {shortened(value)} is not a text")
+
+
+def _checked_surface(given: Any) -> float:
+    try:
+        height = float(given)
+    except (TypeError, ValueError):
+        height = math.nan
+    if not abs(height) <= HIGHEST_SURFACE:
+        like = ", is it in mm?" if HIGHEST_SURFACE < abs(height) <= 1e3 * HIGHEST_SURFACE else ""
+        raise InputError(
+            f"surface = {shortened(given)} is not a height of {-HIGHEST_SURFACE:g} to "
+            f"{HIGHEST_SURFACE:g} m{like}"
+        )
+    return height
+
+
+def _text(path: Path) -> str:
+    raw = bytes_of(path, "a recording")
+    if raw.startswith((ZIPPED, OLD_EXCEL)):
+        raise InputError("it is a spreadsheet or an archive; save the table as CSV")
+    if raw[1:2] == b"\x50" and len(raw) >= 512 and b"\0" in raw[:512]:
+        raise InputError("it is a C3D file; export its force plate as CSV")
+    marked = any(raw.startswith(mark) for mark, _ in MARKS)
+    if b"\0" in raw and not marked:
+        raise InputError("it is no text; export the recording as CSV")
+    text = decoded(str(path), raw)
+    if not text.strip():
+        raise InputError("it is empty; give a line of names and a line a sample")
+    return text
+
+
+def _time(
+    table: Table,
+    found: dict[str, list[Column]],
+    option: str | None,
+    rate: float | None,
+    remarks: list[str],
+) -> Array | None:
+    if option is not None:
+        column: Column | None = chosen("time", option, table.names, table.units, "time")
+    else:
+        column = only(found, "time")
+    if column is None:
+        return None
+    try:
+        (numbers,) = numbers_in(table, [column.place])
+    except InputError:
+        if rate is None or option is not None:
+            raise
+        remarks.append(f"the time in {column.name!r} is not read; the rate is as given")
+        return None
+    times, remark = in_seconds(numbers, column.unit)
+    if remark:
+        remarks.append(remark)
+    return times
+
+
+def _rate(table: Table, given: float | None, remarks: list[str]) -> float:
+    if given is not None:
+        return given
+    if (above := rate_above(table)) is not None:
+        remarks.append(f"the rate of {above:g} Hz is read from the lines before the table")
+        return checked_rate("the rate in the lines before the table", above)
+    raise InputError(
+        f"there is no column of time; name one time (s), or say the samples "
+        f"a second as rate=100 {listed(table.names)}"
+    )

@@ -1,4 +1,4 @@
-"""Symbols write down what is computed, and an engine of JavaScript finds the bits that NumPy finds."""
+"""Symbols write down what is computed; an engine of JavaScript finds the bits that NumPy finds."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ X, Y = (each.ravel() for each in np.meshgrid(NUMBERS, NUMBERS))
 WITHIN = {"cos": 4e-16, "sin": 4e-16, "arctan2": 4e-16, "hypot": 2.3e-16}
 FORMULAS = {
     **{
-        name: (lambda xp, x, y, name=name: xp.apply(name, *(x, y)[: function.nin]), function)
+        name: (lambda xp, x, y, name=name, f=function: xp.apply(name, *(x, y)[: f.nin]), function)
         for name, function in {**ON_NUMBERS, **TO_TRUTH}.items()
         if name != "masked"
     },
@@ -44,7 +44,8 @@ FORMULAS = {
 }
 SCRIPT = """
 const answer = {};
-for (const name in F.formulas) answer[name] = given.x.map((x, k) => F.formulas[name](x, given.y[k]));
+for (const [name, formula] of Object.entries(F.formulas))
+  answer[name] = given.x.map((x, k) => Number(formula(x, given.y[k])));
 return answer;
 """
 

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from standfast.explore.symbols import NUMBER, TRUTH, Symbol, SymbolArray
+from standfast.numerics import arrays
 
 # By the sign that names it: what a constant is folded with.
 ON_NUMBERS: dict[str, Callable[..., Any]] = {
@@ -55,7 +56,7 @@ ON_TRUTHS: dict[str, Callable[..., Any]] = {
 COMMUTE = {"+", "*", "==", "!=", "and", "or"}
 
 # Modules that no comment names: whoever calls them computes.
-ARITHMETIC = ("standfast.explore.symbols", "standfast.numerics")
+ARITHMETIC = (Symbol.__module__, str(arrays.__package__))
 
 
 class _Recorded:
@@ -120,16 +121,17 @@ class Record:
 
     def clip(self, x: Any, low: Any, high: Any) -> Symbol:
         """Return x, or the end of [low, high] beyond which it lies."""
-        return self.apply("minimum", self.apply("maximum", x, low), high)
+        clipped: Symbol = self.apply("minimum", self.apply("maximum", x, low), high)
+        return clipped
 
     def where(self, condition: Any, x: Any, y: Any) -> Symbol:
         """Return x where the condition holds, else y."""
-        condition, x, y = map(self._symbol, (condition, x, y))
-        if x.dtype != y.dtype:
-            x, y = self._number(x), self._number(y)
-        if condition.op == "constant":
-            return x if condition.value else y
-        return x if x is y else self._made("where", (condition, x, y), x.dtype)
+        by, one, other = self._symbol(condition), self._symbol(x), self._symbol(y)
+        if one.dtype != other.dtype:
+            one, other = self._number(one), self._number(other)
+        if by.op == "constant":
+            return one if by.value else other
+        return one if one is other else self._made("where", (by, one, other), one.dtype)
 
     def apply(self, op: str, *args: Any) -> Any:
         """Write an operation down, or do it where all is known."""
@@ -207,9 +209,7 @@ def _caller() -> str:
     frame = sys._getframe(1)  # noqa: SLF001 # whom the comments in the printed text name
     while frame.f_back is not None:
         module = str(frame.f_globals.get("__name__", ""))
-        if module != __name__ and not module.startswith(
-            ("standfast.explore.symbols", "standfast.numerics")
-        ):
+        if module != __name__ and not module.startswith(ARITHMETIC):
             break
         frame = frame.f_back
     name = frame.f_code.co_qualname.replace(".<locals>", "").split(".<")[0]

@@ -1,1 +1,1 @@
-"""Explore: one page in the browser whose formulas are those of the package."""
+"""The page on which one sees a person stand, sway and fall: what it is told, and who answers it."""

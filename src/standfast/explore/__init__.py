@@ -1,0 +1,1 @@
+"""Explore: one page in the browser whose formulas are those of the package."""

@@ -99,6 +99,7 @@ def _plot(name: str, **more: Any) -> Plot:
     for axis in (plot.xaxis[0], plot.yaxis[0]):
         axis.ticker = FixedTicker(ticks=[])
         axis.minor_tick_line_color = None
+        axis.level = "overlay"  # which is drawn anew in a new frame alone
         axis.major_tick_in = 0
         axis.axis_label_text_font_style = "normal"
         axis.axis_label_text_font = axis.major_label_text_font = FONT
@@ -114,9 +115,7 @@ def _source(name: str, *columns: str) -> ColumnDataSource:
 
 def _map() -> Plot:
     """Return the figure of the map: image, contours, limit, subjects and the reader's point."""
-    plot = _plot(
-        "map", tools="pan,wheel_zoom,tap", active_drag="pan", active_scroll="wheel_zoom"
-    )
+    plot = _plot("map", tools="pan,wheel_zoom,tap", active_drag="pan", active_scroll="wheel_zoom")
     pixel = {"image": [np.zeros((1, 1), dtype=np.uint32)], "x": [0], "y": [0], "dw": [1], "dh": [1]}
     image = ColumnDataSource(pixel, name="image")
     plot.image_rgba("image", "x", "y", "dw", "dh", source=image, level="image")

@@ -15,7 +15,7 @@ export function drawBar(context, width, quantity, scale, { ink, font }) {
   context.textBaseline = "alphabetic";
   context.fillStyle = ink;
   if (scale.kind === "flags") {
-    drawFlags(context, width, quantity, scale, ink);
+    drawFlags(context, width, scale, ink);
     return;
   }
   const [left, right] = [26, width - 26];
@@ -53,7 +53,7 @@ function drawEnd(context, scale, at, way, value) {
   context.fill();
 }
 
-function drawFlags(context, width, quantity, scale, ink) {
+function drawFlags(context, width, scale, ink) {
   context.textAlign = "left";
   const words = ["falls (hatched)", "stands"];
   words.forEach((word, i) => {

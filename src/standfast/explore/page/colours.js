@@ -2,7 +2,7 @@
 
 // cividis at 9 places, as the figures of the package; and two arms about a limit.
 const EVEN = "00224e 123570 3b496c 575d6d 707173 8a8678 a59c74 c3b369 e1cc55 fee838";
-const APART = "6b2b00 a84a06 d9782f efb68c f6eee6 a9cfe6 5aa3d1 1f77b4 0a4a7d";
+const APART = "94400a b8560f d97b35 efb68c f6eee6 a9cfe6 5aa3d1 1f77b4 0a4a7d";
 const FALLS = "e9a783";
 const STANDS = "8fc0e0";
 
@@ -27,23 +27,24 @@ function scaleOf(text) {
   });
 }
 
-/** A hatched colour is paler where it is dark, and darker where it is pale. */
-function hatched([red, green, blue]) {
-  const light = 0.3 * red + 0.59 * green + 0.11 * blue;
-  const towards = light > 205 ? 70 : 255;
-  return [red, green, blue].map((part) => Math.round(part + 0.6 * (towards - part)));
+/** Lines of the hatching: dark on what is pale, pale on what is dark. */
+function hatched([red, green, blue], dark) {
+  const towards = dark ? 40 : 255;
+  return [red, green, blue].map((part) => Math.round(part + 0.55 * (towards - part)));
 }
 
-function tableOf(text) {
+function tableOf(text, darkAbove) {
   const colours = scaleOf(text);
+  const light = ([red, green, blue]) => 0.3 * red + 0.59 * green + 0.11 * blue;
+  const lines = colours.map((colour) => hatched(colour, light(colour) > darkAbove));
   return {
     colours,
     plain: Uint32Array.from(colours, pixel),
-    hatched: Uint32Array.from(colours, (colour) => pixel(hatched(colour))),
+    hatched: Uint32Array.from(lines, pixel),
   };
 }
 
-const TABLES = { even: tableOf(EVEN), apart: tableOf(APART) };
+const TABLES = { even: tableOf(EVEN, 125), apart: tableOf(APART, 0) };
 const VERDICT = [FALLS, STANDS].map(components);
 const DEEP = components("b24a00");
 
@@ -119,11 +120,10 @@ function boundsOf(scale) {
 }
 
 function shade(bounds, value, line) {
-  if (value !== value) return NOTHING;
+  if (Number.isNaN(value)) return NOTHING;
   if (bounds.flags) return (line ? bounds.hatched : bounds.plain)[value > 0 ? 1 : 0];
   const away = value - bounds.limit;
-  let at = bounds.middle + away * (away < 0 ? bounds.below : bounds.above);
-  if (at !== at) at = bounds.middle;
+  const at = bounds.middle + away * (away < 0 ? bounds.below : bounds.above);
   const index = at < 0 ? 0 : at > SHADES - 1 ? SHADES - 1 : (at + 0.5) | 0;
   return (line ? bounds.hatched : bounds.plain)[index];
 }

@@ -39,10 +39,15 @@ export function controlsIn(place, content, changed, refused) {
     fields.append(legend);
     box.append(summary, fields);
     place.append(box);
-    for (const row of rows) shown.push(controlIn(fields, row, changed, refused));
+    for (const row of rows) shown.push({ row, show: controlIn(fields, row, changed, refused) });
   }
-  return (values) => {
-    for (const show of shown) show(values);
+  const known = new Map();
+  return (values, again = false) => {
+    for (const { row, show } of shown) {
+      if (!again && Object.is(known.get(row), values[row.name])) continue;
+      known.set(row, values[row.name]);
+      show(values);
+    }
   };
 }
 
@@ -78,7 +83,10 @@ function sliderIn(box, row, changed, refused) {
   const stops = row.kind === "stops" ? row.stops : null;
   const slider = input("range", `p-${row.name}`);
   const field = input(stops ? "text" : "number", `n-${row.name}`);
-  field.setAttribute("aria-label", `${row.words}, number${row.unit === "1" ? "" : ` in ${row.unit}`}`);
+  field.setAttribute(
+    "aria-label",
+    `${row.words}, number${row.unit === "1" ? "" : ` in ${row.unit}`}`,
+  );
   if (stops) Object.assign(slider, { min: 0, max: stops.length - 1, step: 1 });
   else {
     Object.assign(slider, { min: row.from, max: row.to, step: row.step || "any" });
@@ -107,7 +115,9 @@ function sliderIn(box, row, changed, refused) {
     const value = values[row.name];
     const infinite = value === Number.POSITIVE_INFINITY;
     if (!infinite) last = value;
-    const at = stops ? stops.indexOf(stops.includes(value) ? value : nearestStop(stops, value)) : value;
+    const at = stops
+      ? stops.indexOf(stops.includes(value) ? value : nearestStop(stops, value))
+      : value;
     if (!infinite || stops) slider.value = at;
     field.removeAttribute("aria-invalid");
     field.value = stops ? shortNumber(value) : infinite ? "" : Number(value.toPrecision(8));

@@ -4,6 +4,7 @@ import { showScale } from "./bar.js";
 import { encoded } from "./content.js";
 import { lengthsOf, movementOf, nervesOf, oneJointFacts, rootsOf, springFacts } from "./facts.js";
 import { axisOf, spreadOver, windowOf } from "./frame.js";
+import { writer } from "./margins.js";
 import { rootWords } from "./roots.js";
 import { fillPerson } from "./state.js";
 import { mapWords, verdictWords } from "./words.js";
@@ -24,6 +25,8 @@ export class Explorer {
   #inputAt = 0;
   #changedAt = Number.NEGATIVE_INFINITY;
   #said = "";
+  #rootWords = "";
+  #write = writer();
   /** The person as last shown. */
   found = { facts: null, fedBack: null };
   /** From an input to the painted picture, ms. */
@@ -53,7 +56,7 @@ export class Explorer {
 
   /** Draw the state in the next frame. */
   draw() {
-    this.#requested ||= requestAnimationFrame(() => this.#frame());
+    if (this.#requested === 0) this.#requested = requestAnimationFrame(() => this.#frame());
   }
 
   /** The axes of the map and the window that is seen. */
@@ -78,7 +81,7 @@ export class Explorer {
     const scale = map.show({ sample, x, y, window, quantity, point: state.values, subjects });
     showScale(elements.bar, quantity, scale, this.#parts.look());
     elements.computing.hidden = !sample.pending;
-    elements.word.textContent = sample.word;
+    this.#write(elements.word, sample.word);
     controls(state.values);
     this.#showPerson();
     if (sample.coarse && resting && !sample.pending) this.draw();
@@ -99,12 +102,14 @@ export class Explorer {
     moving.show(lengthsOf(body, state.values.height), rigid, movementOf(facts, fedBack));
     const inPlane = rootsOf(facts, fedBack);
     roots.show(inPlane);
+    this.#write(elements.outside, roots.beyond(inPlane));
     margins(facts, fedBack);
     this.#said = verdictWords(facts, fedBack, nerves);
-    elements.verdict.textContent = this.#said;
+    this.#write(elements.verdict, this.#said);
     const stands = fedBack && nerves.gained ? fedBack.stands : facts.stands;
-    elements.verdict.className = `${stands ? "stands" : "falls"}${fedBack?.stale ? " stale" : ""}`;
-    elements.roots.setAttribute("aria-label", rootWords(inPlane));
+    elements.verdict.classList.toggle("falls", !stands);
+    elements.verdict.classList.toggle("stale", fedBack?.stale === true);
+    this.#rootWords = rootWords(inPlane);
   }
 
   #fedBackOf(person, nerves) {
@@ -129,11 +134,12 @@ export class Explorer {
   /** Tell those who listen, once the reader rests. */
   #say(pending) {
     const { elements } = this.#parts;
-    if (elements.said.textContent !== this.#said) elements.said.textContent = this.#said;
-    const words = mapWords(this.#content, this.state, this.#said, pending);
-    if (elements.map.getAttribute("aria-label") !== words) {
-      elements.map.setAttribute("aria-label", words);
-    }
+    this.#write(elements.said, this.#said);
+    elements.map.setAttribute(
+      "aria-label",
+      mapWords(this.#content, this.state, this.#said, pending),
+    );
+    elements.roots.setAttribute("aria-label", this.#rootWords);
   }
 
   #measure(began) {

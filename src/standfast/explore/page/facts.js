@@ -56,7 +56,7 @@ export function oneJointFacts(formulas, person, nerves) {
 
 /**
  * How the person moves: a root in 1/s, and the complex rotation of each joint.
- * The largest rotation is 1.
+ * The largest rotation of a joint, or lean of a segment, is 1.
  */
 export function movementOf(facts, fedBack) {
   if (fedBack?.shape && fedBack.rightmost_root) {
@@ -72,7 +72,13 @@ export function movementOf(facts, fedBack) {
 }
 
 function scaled(turns) {
-  const largest = Math.max(...turns.map(([re, im]) => Math.hypot(re, im)), 1e-300);
+  const lean = [0, 0];
+  const sizes = turns.flatMap(([re, im]) => {
+    lean[0] += re;
+    lean[1] += im;
+    return [Math.hypot(re, im), Math.hypot(...lean)];
+  });
+  const largest = Math.max(...sizes, 1e-300);
   return turns.map(([re, im]) => [re / largest, im / largest]);
 }
 

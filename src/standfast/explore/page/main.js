@@ -23,12 +23,25 @@ function tell(sentence) {
   byId("status").textContent = sentence;
 }
 
+let seen = null;
+
 /** The colours and the font of the page, as it is seen now. */
 function look() {
+  seen ??= lookNow();
+  return seen;
+}
+
+function lookNow() {
   const style = getComputedStyle(document.documentElement);
   const colour = (name) => style.getPropertyValue(`--${name}`).trim();
   const font = "system-ui, sans-serif";
-  return { ground: colour("card"), ink: colour("ink"), line: colour("line"), panel: colour("panel"), font };
+  return {
+    ground: colour("card"),
+    ink: colour("ink"),
+    line: colour("line"),
+    panel: colour("panel"),
+    font,
+  };
 }
 
 function optionsIn(select, rows, label) {
@@ -142,6 +155,7 @@ const elements = Object.fromEntries(
     (id) => [id, byId(id)],
   ),
 );
+elements.outside = byId("outside");
 elements.roots = byId("roots");
 
 async function open() {
@@ -178,6 +192,7 @@ async function open() {
   });
   buttons(explorer, plot, map);
   const recolour = () => {
+    seen = null;
     for (const each of [plot, rootPlot]) each.paintAs(look());
     explorer.draw();
   };

@@ -9,7 +9,8 @@ import { marksOf, roundEnds, roundNumbers } from "./ticks.js";
 /** Pixels along a side of the image. */
 const PIXELS = 401;
 const CONTOUR_POINTS = 101;
-const LEVELS = 6;
+const LIMIT_POINTS = 401;
+const LEVELS = 8;
 
 /** No contours are drawn of what jumps, from one root or mode to another. */
 const JUMPING = new Set(["sway_frequency", "damping_ratio", "hip_ankle_ratio", "knee_ankle_ratio"]);
@@ -20,6 +21,7 @@ export class StandingMap {
   #image = new Uint32Array(PIXELS * PIXELS);
   #array = null;
   #framed = "";
+  #marked = {};
   /** What was drawn last, for downloads. */
   drawn = null;
 
@@ -97,16 +99,22 @@ export class StandingMap {
       y: labels.map((label) => label.y),
       text: labels.map((label) => label.text),
     });
-    setColumns(plot.source("point"), { x: there ? [pointAt.x] : [], y: there ? [pointAt.y] : [] });
-    setColumns(plot.source("subjects"), {
+    this.#setMarks("point", { x: there ? [pointAt.x] : [], y: there ? [pointAt.y] : [] });
+    this.#setMarks("subjects", {
       x: marks.map((mark) => mark.x),
       y: marks.map((mark) => mark.y),
       label: marks.map((mark) => mark.label),
     });
   }
-}
 
-const LIMIT_POINTS = 401;
+  /** Set what seldom changes while a slider moves. */
+  #setMarks(name, columns) {
+    const key = JSON.stringify(columns);
+    if (this.#marked[name] === key) return;
+    this.#marked[name] = key;
+    setColumns(this.#plot.source(name), columns);
+  }
+}
 
 /** A few points of a line, which labels keep away from. */
 function sparse({ xs, ys }) {

@@ -54,7 +54,7 @@ function edgeOf(joints) {
 
 function showBar(row, joint, edge, write) {
   write(row.name, joint.joint[0].toUpperCase() + joint.joint.slice(1));
-  write(row.words, `${joint.words}${joint.holds ? "" : " – too soft"}`);
+  write(row.words, joint.words);
   row.item.classList.toggle("too-soft", !joint.holds);
   row.own.style.width = `${100 * Math.min(joint.own / edge, 1)}%`;
   const finite = Number.isFinite(joint.needed);

@@ -1,6 +1,6 @@
 /** The stick figure: how the person moves in the least stable movement. */
 
-const TURN = (8 * Math.PI) / 180; // of the joint that turns most, while it sways
+const TURN = (10 * Math.PI) / 180; // of what turns or leans most, while it sways
 const FALLEN = (25 * Math.PI) / 180;
 const LEAN = (1.2 * Math.PI) / 180; // with which a fall begins
 const LYING = 0.6; // s on the ground before it starts again
@@ -28,7 +28,10 @@ export class MovingPerson {
     ground.append(
       element("line", { x1: -0.62, y1: 0.075, x2: 0.62, y2: 0.075, class: "floor" }),
       element("line", { x1: 0, y1: 0.07, x2: 0, y2: -1.9, class: "plumb" }),
-      element("path", { d: "M -0.06 0.07 L 0.19 0.07 L 0.04 -0.03 L -0.04 -0.03 Z", class: "foot" }),
+      element("path", {
+        d: "M -0.06 0.07 L 0.19 0.07 L 0.04 -0.03 L -0.04 -0.03 Z",
+        class: "foot",
+      }),
     );
     this.#ghosts = [figureOf("ghost"), figureOf("ghost")];
     this.#figure = figureOf("figure");

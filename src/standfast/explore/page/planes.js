@@ -38,7 +38,8 @@ export class Planes {
     this.#formulas = formulas;
     this.#cells = cells;
     this.#person = new Float64Array(formulas.slotCount);
-    this.#live = ask && new Newest((question, signal) => askLive(ask, question, signal), arrived, failed);
+    this.#live =
+      ask && new Newest((question, signal) => askLive(ask, question, signal), arrived, failed);
   }
 
   /** How the values of a quantity are found: "springs", "oneJoint", "live", "cells", or "". */

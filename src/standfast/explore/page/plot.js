@@ -11,11 +11,15 @@ export function setColumns(source, columns) {
   source.change.emit();
 }
 
+// More than Bokeh needs; were they too few, it would draw by itself a little later.
+const MICROTASKS = 80;
+
 /** One figure of Bokeh in an element of the page. */
 export class Plot {
   #view;
   #model;
   #quiet = false;
+  #reframed = false;
   #sources = new Map();
 
   /** @param {object} item a figure as Bokeh's json_item gives it */
@@ -45,18 +49,24 @@ export class Plot {
     return new old.constructor(pixels, [side, side]);
   }
 
-  /** Do several changes, and draw once, now. */
-  held(change) {
+  /**
+   * Do several changes, and draw once, before the browser paints its frame: what changed alone, and
+   * the axes only in a new frame.
+   */
+  async held(change) {
     this.#quiet = true;
     this.#view.pause();
     try {
       change();
     } finally {
-      this.#view.unpause(true);
       this.#quiet = false;
     }
-    this.#view.request_layout(false);
-    this.#view.repaint();
+    // Bokeh takes up the columns in a chain of microtasks, which all run before the next task
+    for (let i = 0; i < MICROTASKS; i++) await null;
+    this.#view.unpause(true);
+    if (this.#reframed) this.#view.repaint();
+    else this.#view.paint();
+    this.#reframed = false;
   }
 
   /** About how many marks fit along x and y. */
@@ -66,6 +76,8 @@ export class Plot {
   }
 
   setRanges([x0, x1, y0, y1]) {
+    this.#reframed = true;
+    this.#view.invalidate_painters();
     this.#model.x_range.setv({ start: x0, end: x1 });
     this.#model.y_range.setv({ start: y0, end: y1 });
   }
@@ -104,11 +116,11 @@ export class Plot {
     }
   }
 
-  /** Take the colours of the page. */
-  paintAs({ ground, ink, line, panel }) {
+  /** Take the colours of the page; the border shows the page itself. */
+  paintAs({ ink, line, panel }) {
     this.#model.setv({
       background_fill_color: panel,
-      border_fill_color: ground,
+      border_fill_color: null,
       outline_line_color: line,
     });
     for (const axis of [this.#model.below[0], this.#model.left[0]]) {

@@ -1,6 +1,9 @@
 /** The roots of the person's movement in the plane, in a small figure of Bokeh. */
+import { shortNumber } from "./content.js";
 import { setColumns } from "./plot.js";
 import { marksOf } from "./ticks.js";
+
+const NEAREST = 4;
 
 /** The roots in their figure. */
 export class RootPlane {
@@ -18,8 +21,12 @@ export class RootPlane {
     if (key === this.#shown) return;
     this.#shown = key;
     this.#plot.held(() => {
+      // the frame is that of the roots nearest to the middle; stiff joints ring far outside
+      const nearest = roots
+        .toSorted((a, b) => Math.hypot(...a) - Math.hypot(...b))
+        .slice(0, NEAREST);
       const half = [0, 1].map((part) => {
-        const most = Math.max(part ? 2 : 1, ...roots.map((root) => Math.abs(root[part])));
+        const most = Math.max(part ? 2 : 1, ...nearest.map((root) => Math.abs(root[part])));
         const kept = this.#half[part];
         // the frame stays while the roots move within it
         return most <= 0.95 * kept && most > 0.3 * kept ? kept : roundUp(1.2 * most);
@@ -36,6 +43,16 @@ export class RootPlane {
         });
       }
     });
+  }
+
+  /** How many of some roots lie outside of the frame, in words. */
+  beyond(roots) {
+    const outside = roots.filter(
+      ([re, im]) => Math.abs(re) > this.#half[0] || Math.abs(im) > this.#half[1],
+    );
+    const fastest = Math.max(...outside.map(([re, im]) => Math.hypot(re, im)));
+    if (outside.length === 0) return "";
+    return `Outside of the frame: ${outside.length} roots, up to ${shortNumber(fastest, 3)} 1/s.`;
   }
 
   #setFrame(half) {

@@ -20,7 +20,9 @@ export function hashOf(content, state) {
   if (state.window) {
     parts.push(["window", state.window.map((v) => Number(v.toPrecision(8))).join(",")]);
   }
-  return parts.map(([name, value]) => `${name}=${encodeURIComponent(value)}`).join("&");
+  return parts
+    .map(([name, value]) => `${name}=${encodeURIComponent(value).replaceAll("%2C", ",")}`)
+    .join("&");
 }
 
 /**

@@ -67,8 +67,11 @@ export function jointRows(facts) {
   return JOINTS.map((joint, i) => {
     const [own, needed] = [facts.own[i], facts.thresholds[i]];
     const has = own === Number.POSITIVE_INFINITY ? "rigid" : shortNumber(own);
-    const needs = Number.isFinite(needed) ? `needs ${shortNumber(needed)}` : "none suffices";
-    return { joint, own, needed, holds: own > needed, words: `${has}, ${needs}` };
+    const needs = Number.isFinite(needed)
+      ? `needs ${shortNumber(needed)}`
+      : "no stiffness suffices";
+    const soft = !(own > needed) && Number.isFinite(needed) ? " – too soft" : "";
+    return { joint, own, needed, holds: own > needed, words: `${has}, ${needs}${soft}` };
   });
 }
 

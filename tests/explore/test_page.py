@@ -1,4 +1,4 @@
-"""The page in a browser: what it shows is what the package computes, for everyone, without network."""
+"""The page in a browser: it shows what the package computes, to everyone, without network."""
 
 import json
 import re

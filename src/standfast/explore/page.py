@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from bokeh.core.properties import value
 from bokeh.embed import json_item
-from bokeh.models import BoxAnnotation, ColumnDataSource, FixedTicker, Plot, Range1d, Span
+from bokeh.models import BoxAnnotation, ColumnDataSource, FixedTicker, Range1d, Span
 from bokeh.plotting import figure
 from bokeh.resources import Resources
 
@@ -85,7 +85,7 @@ def _text(name: str) -> str:
     return (files("standfast.explore") / "page" / name).read_text(encoding="utf-8")
 
 
-def _plot(name: str, **more: Any) -> Plot:
+def _plot(name: str, **more: Any) -> figure:
     """Return an empty figure that fills its place, whose ticks the page sets."""
     plot = figure(
         name=name,
@@ -113,7 +113,7 @@ def _source(name: str, *columns: str) -> ColumnDataSource:
     return ColumnDataSource({column: [] for column in columns}, name=name)
 
 
-def _map() -> Plot:
+def _map() -> figure:
     """Return the figure of the map: image, contours, limit, subjects and the reader's point."""
     plot = _plot("map", tools="pan,wheel_zoom,tap", active_drag="pan", active_scroll="wheel_zoom")
     pixel = {"image": [np.zeros((1, 1), dtype=np.uint32)], "x": [0], "y": [0], "dw": [1], "dh": [1]}
@@ -160,7 +160,7 @@ def _map() -> Plot:
     return plot
 
 
-def _roots() -> Plot:
+def _roots() -> figure:
     """Return the figure of the roots, in which the unstable half is shaded and hatched."""
     plot = _plot("roots", tools="")
     unstable = BoxAnnotation(

@@ -25,7 +25,7 @@ from standfast.quantities.of_springs import modes_of
 from standfast.stability.delay import one_joint
 
 # Rows along an axis are worth their text up to this many operations.
-MOST_IN_ROWS = 500
+MOST_IN_ROWS = 900
 
 _NUMBERS = [row.name for row in PARAMETERS.values() if not row.choices and row.name not in OWN_BODY]
 REFERENCE = [f"reference_{name}" for name in (*OWN_BODY, "height", "mass")]
@@ -40,12 +40,12 @@ function isCoupled(p) {
   return false;
 }
 
-function fillRows(row, alongX, p, outer, values, inner, out) {
+function fillRows(way, row, alongX, p, outer, values, inner, out) {
   for (let k = 0; k < values.length; k++) {
     p[outer] = values[k];
     bodyInto(p, own);
-    if (alongX) row(p, own, inner, out, k * inner.length, 1);
-    else row(p, own, inner, out, k, values.length);
+    const [start, step] = alongX ? [k * inner.length, 1] : [k, values.length];
+    row(p, own, inner, out, start, step, way.point, way.pick);
   }
 }
 
@@ -73,25 +73,34 @@ function quantity(uncoupled, coupled) {
     },
     plane(p, xSlot, xs, ySlot, ys, out) {
       const coupling = couplings.has(xSlot) || couplings.has(ySlot) || isCoupled(p);
-      const { point, rows } = coupling ? coupled : uncoupled;
+      const way = coupling ? coupled : uncoupled;
       const q = p.slice();
-      const [slot, row] = rows.find(([slot]) => slot === xSlot || slot === ySlot) ?? [];
-      if (slot === undefined) fillPoints(point, q, xSlot, xs, ySlot, ys, out);
-      else if (slot === xSlot) fillRows(row, true, q, ySlot, ys, xs, out);
-      else fillRows(row, false, q, xSlot, xs, ys, out);
+      const [slot, row] = way.rows.find(([slot]) => slot === xSlot || slot === ySlot) ?? [];
+      if (slot === undefined) fillPoints(way.point, q, xSlot, xs, ySlot, ys, out);
+      else if (slot === xSlot) fillRows(way, row, true, q, ySlot, ys, xs, out);
+      else fillRows(way, row, false, q, xSlot, xs, ys, out);
     },
   };
 }
 """
 
 
+class Fast(NamedTuple):
+    """A fast way that quantities share: what it finds, where it is uncertain, its rows' name."""
+
+    name: str
+    found: list[Symbol]
+    uncertain: Symbol
+
+
 class Way(NamedTuple):
-    """How one quantity is found: its value, and a fast value with where it is uncertain."""
+    """How one quantity is found: its value, and what it takes of a fast way."""
 
     name: str
     value: Symbol
     shared: str = ""  # the call that value asks of first
-    fast: tuple[Symbol, Symbol] | None = None
+    fast: Fast | None = None
+    pick: Symbol | None = None
 
 
 def formulas_module() -> str:
@@ -165,7 +174,7 @@ def _ways(record: Record, person: Person, kind: str) -> tuple[list[str], list[Wa
     """Return the ways of all quantities of springs, and the functions that they share."""
     functions: list[str] = []
     found: dict[Any, tuple[Any, str]] = {}
-    fast: dict[Any, tuple[Any, Symbol]] = {}
+    fast: dict[Any, tuple[Any, Fast]] = {}
     ways = []
     for row in _of_springs():
         find, quick = row.reference, row.fast
@@ -180,15 +189,17 @@ def _ways(record: Record, person: Person, kind: str) -> tuple[list[str], list[Wa
                 functions.append(_shared(name, result))
                 found[find] = _again(record, result), f"{name}(p, body, found);"
         result, call = found[find]
-        value = _number(record, row.pick(person, result))
-        if quick is None or kind == "coupled":
-            ways.append(Way(row.name, value, call))
-            continue
-        if quick not in fast:
-            fast[quick] = quick(person)
-        result, uncertain = fast[quick]
-        guess = _number(record, row.pick(person, result))
-        ways.append(Way(row.name, value, call, (guess, uncertain)))
+        way = Way(row.name, _number(record, row.pick(person, result)), call)
+        if quick is not None and kind == "uncoupled":
+            if quick not in fast:
+                result, uncertain = quick(person)
+                fast[quick] = _again(record, result), Fast(row.name, _flat(result), uncertain)
+                functions += [_fast_row(fast[quick][1], slot) for slot in STIFFNESSES]
+            result, way_of_rows = fast[quick]
+            way = way._replace(
+                fast=way_of_rows, pick=_number(record, row.pick(person, result))
+            )
+        ways.append(way)
     return functions, ways
 
 
@@ -246,23 +257,26 @@ def _printed(way: Way, kind: str, inner: Sequence[str]) -> Iterator[str]:
     (text,) = lines.compute([way.value])
     lines.write(f"return {text};")
     yield _function(f"{way.name}_{kind}", "p, body", lines.lines)
-    for slot in _rows(way, inner):
-        yield _row(way, kind, slot)
+    if way.pick is not None:
+        lines = Lines(_read)
+        (text,) = lines.compute([way.pick])
+        lines.write(f"return {text};")
+        yield _function(f"{way.name}_of_fast", "p", lines.lines)
+    else:
+        yield from (_row(way, kind, slot) for slot in _rows(way.value, inner, way.shared))
 
 
-def _rows(way: Way, inner: Sequence[str]) -> list[str]:
-    """Return the stiffnesses along which rows are printed, the cheapest first."""
-    roots = way.fast or (way.value,)
-    if (way.shared and way.fast is None) or len(needed(roots, {})) > MOST_IN_ROWS:
+def _rows(value: Symbol, inner: Sequence[str], shared: str = "") -> list[str]:
+    """Return the slots along which rows are printed, the cheapest first."""
+    order = needed([value], {})
+    if shared or len(order) > MOST_IN_ROWS:
         return []
-    bits = {slot: roots[0].record.slot(slot).depends for slot in inner}
-    cost = {slot: sum(1 for s in needed(roots, {}) if s.depends & bits[slot]) for slot in inner}
-    return sorted(inner, key=cost.__getitem__)
+    bits = {slot: value.record.slot(slot).depends for slot in inner}
+    return sorted(inner, key=lambda slot: sum(1 for s in order if s.depends & bits[slot]))
 
 
-def _row(way: Way, kind: str, slot: str) -> str:
-    """Print a row of a plane along a slot: what does not hang on it stands before the loop."""
-    roots = way.fast or (way.value,)
+def _loop(roots: Sequence[Symbol], slot: str) -> tuple[Lines, list[str]]:
+    """Begin a row of a plane along a slot: what does not hang on it stands before the loop."""
     varying = roots[0].record.slot(slot)
     lines = Lines(_read)
     lines.compute(apart(roots, varying.depends), named=True)
@@ -270,24 +284,42 @@ def _row(way: Way, kind: str, slot: str) -> str:
     lines.indent += 2
     lines.write(f"const {slot} = xs[i];")
     lines.known[varying] = slot
-    texts = lines.compute(roots)
-    if way.fast is not None:
-        lines.write(f"if ({texts[1]}) {{")
-        lines.write(f"  p[{SLOTS[slot]}] = {slot};")
-        lines.write(f"  out[start + i * step] = {way.name}_{kind}(p, body);")
-        lines.write("  continue;")
-        lines.write("}")
-    lines.write(f"out[start + i * step] = {texts[0]};")
-    lines.indent -= 2
-    lines.write("}")
+    return lines, lines.compute(roots)
+
+
+def _row(way: Way, kind: str, slot: str) -> str:
+    """Print a row of a plane along a slot."""
+    lines, (text,) = _loop([way.value], slot)
+    lines.write(f"out[start + i * step] = {text};")
     name = f"{way.name}_{kind}_along_{slot}"
-    return _function(name, "p, body, xs, out, start, step", lines.lines)
+    return _function(name, "p, body, xs, out, start, step", [*lines.lines, "  }"])
+
+
+def _fast_row(fast: Fast, slot: str) -> str:
+    """Print a row of a fast way: a quantity picks its number, or is asked as at one point."""
+    lines, (uncertain, *texts) = _loop([fast.uncertain, *fast.found], slot)
+    lines.write(f"if ({uncertain}) {{")
+    lines.write(f"  p[{SLOTS[slot]}] = {slot};")
+    lines.write("  out[start + i * step] = point(p, body);")
+    lines.write("  continue;")
+    lines.write("}")
+    for place, text in enumerate(texts):
+        lines.write(f"found[{place}] = {text};")
+    lines.write("out[start + i * step] = pick(p);")
+    arguments = "p, body, xs, out, start, step, point, pick"
+    return _function(f"fast_{fast.name}_along_{slot}", arguments, [*lines.lines, "  }"])
 
 
 def _entry(way: Way, kind: str, inner: Sequence[str]) -> str:
     name = f"{way.name}_{kind}"
-    rows = [f"[{SLOTS[slot]}, {name}_along_{slot}]" for slot in _rows(way, inner)]
-    return f"{{ point: {name}, rows: [{', '.join(rows)}] }}"
+    if way.fast is None:
+        along = {slot: f"{name}_along_{slot}" for slot in _rows(way.value, inner, way.shared)}
+        pick = ""
+    else:
+        along = {slot: f"fast_{way.fast.name}_along_{slot}" for slot in _rows(way.fast.uncertain, inner)}
+        pick = f", pick: {way.name}_of_fast"
+    rows = ", ".join(f"[{SLOTS[slot]}, {name}]" for slot, name in along.items())
+    return f"{{ point: {name}, rows: [{rows}]{pick} }}"
 
 
 def _quantities(entries: Mapping[str, Sequence[str]]) -> str:

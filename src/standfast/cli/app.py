@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 
 from standfast.cli import (
     assess,
+    explore,
     info,
     laws,
     person,
@@ -93,7 +94,18 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"standfast {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in (sweep, thresholds, plot, population, person, assess, laws, info, reproduce):
+    for command in (
+        sweep,
+        thresholds,
+        plot,
+        population,
+        person,
+        explore,
+        assess,
+        laws,
+        info,
+        reproduce,
+    ):
         command.add(commands)
     return parser
 

@@ -34,6 +34,7 @@ OF_FEEDBACK = (
         None,
         fed_back=answers.delay_margin,
         of_one_joint=lambda one: one_joint.critical_delay(joint_of(one)) - delay_of(one.given),
+        limit=0.0,
     ),
     Quantity(
         "unstable_roots",
@@ -52,6 +53,7 @@ OF_FEEDBACK = (
         "rate at which sway decays, of the rightmost root, negative where the person falls",
         None,
         fed_back=answers.decay_rate,
+        limit=0.0,
     ),
     Quantity(
         "sway_frequency",
@@ -68,5 +70,6 @@ OF_FEEDBACK = (
         "damping ratio of the rightmost root, negative where the person falls",
         None,
         fed_back=answers.damping_ratio,
+        limit=0.0,
     ),
 )

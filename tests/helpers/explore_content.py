@@ -6,7 +6,6 @@ import zlib
 import numpy as np
 
 from standfast.anthropometry.body import REFERENCE_PEOPLE
-from standfast.figures.maps import LIMITS
 from standfast.parameters import OWN_BODY, PARAMETERS, STIFFNESSES
 from standfast.quantities import QUANTITIES
 
@@ -66,7 +65,6 @@ def _span(name: str) -> tuple[float, float, float]:
 
 
 def _quantity(row, axes=None) -> dict:
-    limit = LIMITS.get(row.name)
     return {
         "name": row.name,
         "words": row.words,
@@ -75,7 +73,7 @@ def _quantity(row, axes=None) -> dict:
         "meaning": row.meaning,
         "dtype": row.dtype,
         "flags": list(row.flags),
-        "limit": limit,
+        "limit": row.limit,
         "of_nerves": row.reference is None,
         "axes": axes,
     }

@@ -1,7 +1,6 @@
 """The page as one file: template, style and scripts, the figures of Bokeh, and BokehJS itself."""
 
 import html
-import json
 import re
 from collections.abc import Mapping
 from importlib.resources import files
@@ -10,15 +9,26 @@ from typing import Any
 import numpy as np
 from bokeh.core.properties import value
 from bokeh.embed import json_item
-from bokeh.models import BoxAnnotation, ColumnDataSource, FixedTicker, Range1d, Span
+from bokeh.models import ColumnDataSource, FixedTicker, Range1d
+from bokeh.models.annotations import BoxAnnotation, Span
 from bokeh.plotting import figure
 from bokeh.resources import Resources
 
+from standfast.explore.content import content_text
 from standfast.explore.formulas import formulas_module
 
 FONT = "system-ui, sans-serif"
 BLACK, WHITE = "#111111", "#ffffff"
 LIMIT, STABLE = "#d55e00", "#0072b2"  # as in the figures of the package
+LABEL: dict[str, Any] = {
+    "text_baseline": "middle",
+    "text_color": BLACK,
+    "text_font": value(FONT),
+    "text_font_size": "12px",
+    "background_fill_color": WHITE,
+    "background_fill_alpha": 0.85,
+    "padding": 2,
+}
 START = "main.js"
 IMPORT = re.compile(r'^import\s*\{[^}]*\}\s*from\s*"\./([\w-]+\.js)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=(async |function|class|const|let))", re.MULTILINE)
@@ -28,8 +38,8 @@ PLACE = re.compile(r"\{(title|version|style|bokeh|content|figures|script)\}")
 def page_html(content: Mapping[str, Any]) -> str:
     """Return the page that shows some content, whole: it needs no other file and no network.
 
-    ``content`` is what :func:`standfast.explore.content.content_of` returns, whose numbers JSON can
-    say. Its texts are escaped: nothing in them can be markup or a script.
+    ``content`` is what :func:`.content_of` returns. Its texts are escaped: nothing in them can be
+    markup or a script.
     """
     figures = {"map": json_item(_map()), "roots": json_item(_roots())}
     parts = {
@@ -37,17 +47,11 @@ def page_html(content: Mapping[str, Any]) -> str:
         "version": html.escape(str(content["version"])),
         "style": _text("page.css"),
         "bokeh": "\n".join(Resources("inline", components=["bokeh"], log_level="error").js_raw),
-        "content": json_in_html(content),
-        "figures": json_in_html(figures),
+        "content": content_text(content),
+        "figures": content_text(figures),
         "script": script(scripts()),
     }
     return PLACE.sub(lambda place: parts[place[1]], _text("page.html"))
-
-
-def json_in_html(content: Any) -> str:
-    """Return JSON that can stand in a script of HTML: no ``</`` and no ``<!--`` is in it."""
-    text = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
 
 
 def scripts() -> dict[str, str]:
@@ -91,8 +95,8 @@ def _plot(name: str, **more: Any) -> figure:
         name=name,
         sizing_mode="stretch_both",
         toolbar_location=None,
-        x_range=Range1d(0.0, 1.0),
-        y_range=Range1d(0.0, 1.0),
+        x_range=Range1d(start=0.0, end=1.0),
+        y_range=Range1d(start=0.0, end=1.0),
         min_border=8,
         **more,
     )
@@ -106,6 +110,7 @@ def _plot(name: str, **more: Any) -> figure:
         axis.axis_label_text_font_size = "13px"
         axis.major_label_text_font_size = "12px"
     plot.grid.visible = False
+    plot.border_line_color = None
     return plot
 
 
@@ -123,37 +128,12 @@ def _map() -> figure:
     for source, widths, color in ((contours, (2.2, 0.9), BLACK), (limit, (5.5, 3.0), LIMIT)):
         for width, ink in zip(widths, (WHITE, color), strict=True):
             plot.multi_line("xs", "ys", source=source, line_width=width, line_color=ink)
-    plot.text(
-        "x",
-        "y",
-        "text",
-        source=_source("labels", "x", "y", "text"),
-        text_align="center",
-        text_baseline="middle",
-        text_color=BLACK,
-        text_font=value(FONT),
-        text_font_size="12px",
-        background_fill_color=WHITE,
-        background_fill_alpha=0.85,
-        padding=2,
-    )
+    words = _source("labels", "x", "y", "text")
+    plot.text("x", "y", "text", source=words, text_align="center", **LABEL)
     subjects = _source("subjects", "x", "y", "label")
     marks: dict[str, Any] = {"fill_color": WHITE, "line_color": BLACK}
     plot.scatter("x", "y", source=subjects, marker="diamond", size=13, line_width=1.5, **marks)
-    plot.text(
-        "x",
-        "y",
-        "label",
-        source=subjects,
-        x_offset=9,
-        text_baseline="middle",
-        text_color=BLACK,
-        text_font=value(FONT),
-        text_font_size="12px",
-        background_fill_color=WHITE,
-        background_fill_alpha=0.85,
-        padding=2,
-    )
+    plot.text("x", "y", "label", source=subjects, x_offset=9, **LABEL)
     point = _source("point", "x", "y")
     plot.scatter("x", "y", source=point, size=17, line_width=2.5, **marks)
     plot.scatter("x", "y", source=point, size=7, fill_color=BLACK, line_color=BLACK)

@@ -88,6 +88,7 @@ export function paint(image, field, standing, scale) {
   const bounds = boundsOf(scale);
   for (let row = 0; row < up; row++) {
     const from = field.rows[row] * field.width;
+    const offset = PERIOD - (row % PERIOD);
     const fromStanding = standing ? standing.rows[row] * standing.width : 0;
     for (let column = 0; column < across; column++) {
       // an index of -1 lies beyond what is known
@@ -95,7 +96,7 @@ export function paint(image, field, standing, scale) {
       const value = beyond ? Number.NaN : field.values[from + field.columns[column]];
       const falls =
         standing !== null && standing.values[fromStanding + standing.columns[column]] === 0;
-      const line = falls && (column + row) % PERIOD < WIDTH;
+      const line = falls && (column + offset) % PERIOD < WIDTH;
       image[row * across + column] = shade(bounds, value, line);
     }
   }

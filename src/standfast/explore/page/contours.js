@@ -122,7 +122,7 @@ export function labelPlaces(lines, frame, taken = []) {
       const room = Math.min(u - 0.04, 0.96 - u, v - 0.03, 0.97 - v);
       if (!(room > 0)) continue;
       const gap = busy.reduce((least, [p, q]) => Math.min(least, distance(u - p, v - q)), 1);
-      if (gap < 0.09) continue;
+      if (gap < 0.06) continue;
       const score = Math.min(gap, 0.3) + 0.5 * Math.min(room, 0.2);
       if (!best || score > best.score) best = { score, u, v, x: line.xs[i], y: line.ys[i] };
     }

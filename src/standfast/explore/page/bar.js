@@ -77,13 +77,14 @@ function drawFlags(context, width, scale, ink) {
 
 /** Show the bar in its canvas, sharp on any screen; and say it in words. */
 export function showScale(canvas, quantity, scale, look) {
-  const width = canvas.clientWidth;
   const ratio = globalThis.devicePixelRatio || 1;
+  const key = scale && JSON.stringify([canvas.dataset.width, ratio, quantity.name, scale, look]);
+  // asked for its width only where something changed, as that makes the browser lay out the page
+  if (canvas.dataset.shown === String(key)) return;
+  canvas.dataset.shown = String(key);
   canvas.hidden = !scale;
-  if (!scale || width === 0) return;
-  const key = JSON.stringify([width, ratio, quantity.name, scale, look]);
-  if (canvas.dataset.shown === key) return;
-  canvas.dataset.shown = key;
+  if (!scale) return;
+  const width = canvas.clientWidth;
   canvas.width = Math.round(width * ratio);
   canvas.height = Math.round(HEIGHT * ratio);
   const context = canvas.getContext("2d");

@@ -78,8 +78,8 @@ export class Explorer {
     const sample = planes.sample(state, window, spread, resting);
     const quantity = this.#content.quantity[state.quantity];
     const subjects = this.#content.subjects ?? [];
-    const scale = map.show({ sample, x, y, window, quantity, point: state.values, subjects });
-    showScale(elements.bar, quantity, scale, this.#parts.look());
+    const drawn = map.show({ sample, x, y, window, quantity, point: state.values, subjects });
+    showScale(elements.bar, drawn.quantity, drawn.scale, this.#parts.look());
     elements.computing.hidden = !sample.pending;
     this.#write(elements.word, sample.word);
     controls(state.values);

@@ -199,6 +199,7 @@ async function open() {
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", recolour);
   plot.onSize(() => {
     map.resized();
+    elements.bar.dataset.width = String(globalThis.innerWidth);
     explorer.draw();
   });
   globalThis.addEventListener("hashchange", () => addressIn(explorer));

@@ -31,18 +31,28 @@ export class StandingMap {
   }
 
   /**
-   * @param {object} picture sample of planes, x and y axes, window, quantity, point, subjects
+   * @param {object} wanted sample of planes, x and y axes, window, quantity, point, subjects
+   * @returns {object} what is drawn, with the quantity and the scale of its colours
    */
-  show(picture) {
-    const { sample, x, y, window, quantity } = picture;
+  show(wanted) {
+    const picture = this.#there(wanted);
+    const { sample, x, y, window } = picture;
     const frame = [x.place(window[0]), x.place(window[1]), y.place(window[2]), y.place(window[3])];
     this.#plot.held(() => {
       this.#setFrame(picture, frame);
-      const scale = sample.shown ? this.#paint(picture, frame) : null;
+      const scale = this.#paint(picture, frame);
       this.#draw(picture, frame, scale);
-      this.drawn = { ...picture, scale, quantity };
+      this.drawn = { ...picture, scale: sample.shown ? scale : null };
     });
-    return this.drawn.scale;
+    return this.drawn;
+  }
+
+  /** While values are on their way what was there stays, if it has the same axes. */
+  #there(picture) {
+    const { drawn } = this;
+    if (picture.sample.shown || !picture.sample.pending || !drawn?.sample.shown) return picture;
+    if (drawn.x.row !== picture.x.row || drawn.y.row !== picture.y.row) return picture;
+    return { ...picture, sample: drawn.sample, quantity: drawn.quantity };
   }
 
   /** The figure has another size, so that other marks fit on its axes. */
@@ -67,9 +77,10 @@ export class StandingMap {
       columns: nearestTo(x, grid.xs, window[0], window[1], PIXELS),
       rows: nearestTo(y, grid.ys, window[2], window[3], PIXELS),
     });
-    const ends = endsOf(quantity, sample.shown.values);
+    const shown = sample.shown ?? nothingOn(window);
+    const ends = endsOf(quantity, shown.values);
     const scale = scaleFor(quantity, quantity.dtype === "uint8" ? ends : roundEnds(...ends));
-    const field = indices(sample.shown);
+    const field = indices(shown);
     const standing =
       sample.standing === sample.shown ? field : sample.standing && indices(sample.standing);
     paint(this.#image, field, standing, scale);
@@ -88,7 +99,7 @@ export class StandingMap {
       .filter((mark) => Number.isFinite(mark.x) && Number.isFinite(mark.y));
     const there = Number.isFinite(pointAt.x) && Number.isFinite(pointAt.y);
     const limit = sample.limit ? lines(sample.limit, x, y, sample.limit.level, LIMIT_POINTS) : [];
-    const contours = scale ? contoursOf(picture, scale) : [];
+    const contours = sample.shown ? contoursOf(picture, scale) : [];
     const taken = [...marks, ...(there ? [pointAt] : []), ...limit.flatMap(sparse)];
     const labels = labelPlaces(contours, frame, taken);
     const plot = this.#plot;
@@ -114,6 +125,11 @@ export class StandingMap {
     this.#marked[name] = key;
     setColumns(this.#plot.source(name), columns);
   }
+}
+
+/** One cell without a value. */
+function nothingOn(window) {
+  return { values: [Number.NaN], xs: [window[0]], ys: [window[2]] };
 }
 
 /** A few points of a line, which labels keep away from. */

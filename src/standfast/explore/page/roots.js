@@ -21,10 +21,9 @@ export class RootPlane {
     if (key === this.#shown) return;
     this.#shown = key;
     this.#plot.held(() => {
-      // the frame is that of the roots nearest to the middle; stiff joints ring far outside
-      const nearest = roots
-        .toSorted((a, b) => Math.hypot(...a) - Math.hypot(...b))
-        .slice(0, NEAREST);
+      // the frame holds all that grow, else those nearest to the middle: stiff joints ring far away
+      const middle = roots.toSorted((a, b) => Math.hypot(...a) - Math.hypot(...b));
+      const nearest = middle.filter(([re], i) => i < NEAREST || re > 0);
       const half = [0, 1].map((part) => {
         const most = Math.max(part ? 2 : 1, ...nearest.map((root) => Math.abs(root[part])));
         const kept = this.#half[part];

@@ -32,8 +32,9 @@ function fedBackWords(facts, fedBack, nerves) {
   if (nerves.gained) parts.push(delayWords(fedBack));
   const [re, im] = fedBack.rightmost_root ?? [Number.NaN, 0];
   const time = shortNumber(Math.LN2 / Math.abs(re), 3);
-  if (re < 0 && im > 0) {
-    parts.push(`Sways at ${shortNumber(im / (2 * Math.PI), 3)} Hz and halves in ${time} s.`);
+  if (re !== 0 && im > 0) {
+    const sway = `A sway at ${shortNumber(im / (2 * Math.PI), 3)} Hz`;
+    parts.push(re < 0 ? `${sway} halves in ${time} s.` : `${sway} grows, doubling in ${time} s.`);
   } else if (re !== 0 && !Number.isNaN(re)) {
     parts.push(`The lean ${re < 0 ? "halves" : "doubles"} in ${time} s.`);
   }

@@ -110,7 +110,7 @@ def _plot(name: str, **more: Any) -> figure:
         axis.axis_label_text_font_size = "13px"
         axis.major_label_text_font_size = "12px"
     plot.grid.visible = False
-    plot.border_line_color = None
+    plot.border_fill_color = None
     return plot
 
 

@@ -120,7 +120,6 @@ export class Plot {
   paintAs({ ink, line, panel }) {
     this.#model.setv({
       background_fill_color: panel,
-      border_fill_color: null,
       outline_line_color: line,
     });
     for (const axis of [this.#model.below[0], this.#model.left[0]]) {

@@ -35,7 +35,7 @@ class Planes:
         self._kept: OrderedDict[Slab, Future[np.ndarray]] = OrderedDict()
         self._last: dict[str, int] = {}
         self._lock = threading.Lock()
-        self._reader = ThreadPoolExecutor(1)
+        self.reader = ThreadPoolExecutor(1)
 
     def plane(self, quantity: str, x: str, y: str, at: Mapping[str, Any]) -> np.ndarray:
         """Return a quantity on a plane, (len y, len x); along axes without influence it repeats.
@@ -69,7 +69,7 @@ class Planes:
 
     def close(self) -> None:
         """End reading ahead."""
-        self._reader.shutdown(wait=False, cancel_futures=True)
+        self.reader.shutdown(wait=False, cancel_futures=True)
 
     def _slab_plane(
         self, variable: Variable, x: str, y: str, place: Mapping[str, int]
@@ -84,7 +84,7 @@ class Planes:
         if (ahead := self._beside(variable, slab, place)) is not None:
             future, new = self._future(ahead)
             if new:
-                self._reader.submit(_read, variable, ahead, future)
+                self.reader.submit(_read, variable, ahead, future)
         starts = iter(slab[3])
         inside = tuple(
             place[name] - next(starts)[0] if name in place else slice(None)
@@ -101,11 +101,11 @@ class Planes:
                 self._kept[slab] = Future()
             self._kept.move_to_end(slab)
             future = self._kept[slab]
-            while len(self._kept) > 1 and self._bytes() > KEPT_BYTES:
+            while len(self._kept) > 1 and self.kept_bytes() > KEPT_BYTES:
                 self._kept.popitem(last=False)
         return future, new
 
-    def _bytes(self) -> int:
+    def kept_bytes(self) -> int:
         """Return what the slabs take that are kept or on their way."""
         return sum(
             math.prod(

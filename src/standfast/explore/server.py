@@ -113,11 +113,18 @@ def listening(port: int) -> socket.socket:
 
 def serve(served: Served, at: socket.socket, ready: Callable[[], None]) -> None:
     """Answer on a socket until Ctrl-C; ``ready`` is called once that is so."""
-    served.port = at.getsockname()[1]
     try:
         asyncio.run(_serve(served, at, ready))
     finally:
         served.close()
+
+
+def answering(served: Served, at: socket.socket) -> HTTPServer:
+    """Let the running loop answer on a socket."""
+    served.port = at.getsockname()[1]
+    server = HTTPServer(served.application(), max_body_size=BUFFER_BYTES)
+    server.add_socket(at)
+    return server
 
 
 async def _serve(served: Served, at: socket.socket, ready: Callable[[], None]) -> None:
@@ -125,8 +132,7 @@ async def _serve(served: Served, at: socket.socket, ready: Callable[[], None]) -
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, stop.set)
-    server = HTTPServer(served.application(), max_body_size=BUFFER_BYTES)
-    server.add_socket(at)
+    server = answering(served, at)
     ready()
     await stop.wait()
     server.stop()

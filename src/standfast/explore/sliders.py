@@ -87,6 +87,11 @@ def start_of(
                 f"--person: {name} is not for a body of measured segments "
                 f"({', '.join(SEGMENT_PARAMETERS)})"
             )
+        if stops is None and name in OWN_BODY:
+            raise InputError(
+                f"--person: {name} is of measured segments; give a study with all of them, or "
+                "height, mass and body_model"
+            )
         if stops is None:
             start[name] = value
         elif name in stops:

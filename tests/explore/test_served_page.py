@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+from playwright.sync_api import expect
 
 import standfast as sf
 
@@ -71,7 +72,7 @@ def test_planes_of_an_atlas_arrive_and_a_slider_changes_them(served, tmp_path):
 def test_feedback_of_two_joints_is_computed_by_the_program(served):
     state = f"{GAINS}&feedback_delay=0.05&quantity=decay_rate"
     page = served("--person", "ankle=700", state=state)
-    page.wait_for_function("document.querySelector('#verdict').innerText.includes('with feedback')")
+    expect(page.locator("#verdict")).to_contain_text("with feedback", timeout=COMPILED)
     page.wait_for_selector("#bar:not([hidden])", timeout=COMPILED)
     assert "Decay rate" in page.inner_text("#margins")
     assert page.inner_text("#word") == ""

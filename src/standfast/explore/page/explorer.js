@@ -26,6 +26,7 @@ export class Explorer {
   #changedAt = Number.NEGATIVE_INFINITY;
   #said = "";
   #rootWords = "";
+  #pictures = 0;
   #write = writer();
   /** The person as last shown. */
   found = { facts: null, fedBack: null };
@@ -83,13 +84,13 @@ export class Explorer {
     elements.computing.hidden = !sample.pending;
     this.#write(elements.word, sample.word);
     controls(state.values);
-    this.#showPerson();
+    this.#showPerson(resting);
     if (sample.coarse && resting && !sample.pending) this.draw();
     if (resting) this.#say(sample.pending);
     if (began) this.#measure(began);
   }
 
-  #showPerson() {
+  #showPerson(resting) {
     const { state } = this;
     const { moving, roots, margins, elements } = this.#parts;
     const person = fillPerson(this.#content, this.#formulas.slots, state.values, this.#person);
@@ -101,7 +102,9 @@ export class Explorer {
     const body = this.#formulas.bodyAt(person);
     moving.show(lengthsOf(body, state.values.height), rigid, movementOf(facts, fedBack));
     const inPlane = rootsOf(facts, fedBack);
-    roots.show(inPlane);
+    // of pictures in quick succession each third has new roots, which take long to draw
+    this.#pictures += 1;
+    if (resting || this.#pictures % 3 === 0) roots.show(inPlane);
     this.#write(elements.outside, roots.beyond(inPlane));
     margins(facts, fedBack);
     this.#said = verdictWords(facts, fedBack, nerves);

@@ -6,7 +6,8 @@
   it: ``pick`` takes a quantity's number, and where it is uncertain ``point`` is asked.
 - what several quantities share (the modes) is computed into ``found``.
 
-Rows make a plane of the safety factor four times as fast as points.
+Beside points, rows make a plane of the verdict ten times as fast, one of the safety factor up to
+twice; and one of frequencies, which rows of a fast way find, ten times.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

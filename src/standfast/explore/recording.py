@@ -151,7 +151,8 @@ class Record:
                     int(v) if op == "masked" and i else v for i, v in enumerate(_values(given))
                 ]
                 return self.constant(table[op](*values))
-        if op in ("+", "-", "*", "/") and (same := _unchanged(op, *given)) is not None:
+        partly = any(arg.op == "constant" for arg in given)
+        if partly and op in ("+", "-", "*", "/") and (same := _unchanged(op, *given)) is not None:
             return same
         return self._made(op, given, dtype)
 

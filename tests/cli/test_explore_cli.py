@@ -28,7 +28,12 @@ def page(monkeypatch):
 @pytest.fixture(scope="module")
 def atlas(tmp_path_factory):
     path = tmp_path_factory.mktemp("explore") / "atlas.h5"
-    sf.sweep({**UNEQUAL, "output": {"quantities": ["stable", "frequency"]}}, path)
+    content = {
+        **GOOD,
+        "stiffness": UNEQUAL["stiffness"],
+        "output": {"quantities": ["stable", "frequency"]},
+    }
+    sf.sweep(content, path)
     return path
 
 
@@ -78,7 +83,7 @@ def test_an_atlas_is_embedded(page, tmp_path, atlas, capsys):
 
 
 def test_a_thinned_atlas_says_so(page, tmp_path, atlas, capsys, monkeypatch):
-    monkeypatch.setattr("standfast.explore.embedding.EMBEDDED_BYTES", 3000)
+    monkeypatch.setattr("standfast.explore.embedding.EMBEDDED_BYTES", 1500)
     exported(tmp_path / "page.html", atlas)
     assert "It holds " in (said := capsys.readouterr().out)
     assert " of 3 values" in said

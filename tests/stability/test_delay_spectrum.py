@@ -96,6 +96,16 @@ def test_a_shape_solves_the_equation_and_its_largest_rotation_is_1(people):
         assert shape[np.argmax(np.abs(shape))] == pytest.approx(1.0, abs=1e-15)
 
 
+def test_a_rightmost_root_beyond_the_points_is_among_them():
+    # a stiff joint that rings on a long delay: 191 rad/s and 4 s are 120 turns
+    person = one_link(70.0, 700.0, stiffness=2.6e6, proportional=2e4)
+    root, proven = all_rightmost(person.numbers, person.rigid, np.array([4.0]))
+    assert proven[0]
+    assert root[0].imag > 180.0
+    found = roots_from_the_right(person.matrices(0), 4.0, rightmost=complex(root[0]))
+    assert found[0] == root[0]
+
+
 def test_a_pendulum_of_known_roots():
     # s² + 2 s + 2 = 0
     matrices = one_link(1.0, 0.0, stiffness=2.0, damping=2.0).matrices(0)

@@ -78,12 +78,14 @@ class Live:
         free = np.flatnonzero(np.isfinite(np.array(person.stiffness.joints, float)))
         numbers = np.array(equation, np.float64)[:, free][:, :, free]
         delay = float(delay_of(person.given))
-        shape = None
+        first = shape = None
         if free.size and facts["rightmost_root"] is not None:
+            first = complex(*facts["rightmost_root"])
             whole = np.zeros(len(JOINTS), complex)
-            whole[free] = shape_at(numbers, delay, complex(*facts["rightmost_root"]))
+            whole[free] = shape_at(numbers, delay, first)
             shape = _parts(whole)
-        return facts | {"roots": _parts(roots_from_the_right(numbers, delay)), "shape": shape}
+        roots = roots_from_the_right(numbers, delay, rightmost=first)
+        return facts | {"roots": _parts(roots), "shape": shape}
 
     def _study(self, asked: Mapping[str, Any]) -> tuple[Study, str, str]:
         """Check what is asked; return it as a study whose first axis is y, and names of x and y."""

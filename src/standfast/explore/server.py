@@ -211,6 +211,8 @@ class _Page(_Answer):
     def get(self) -> None:
         self.set_header("Content-Type", "text/html; charset=utf-8")
         self.finish(self.served.page)
+        # whoever looks at the page will ask soon, and the engine takes a second to get ready
+        self.served.threads["live"].submit(self.served.live)
 
 
 class _Asked(_Answer):

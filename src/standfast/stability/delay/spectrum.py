@@ -13,8 +13,9 @@ import numpy as np
 from standfast.stability.delay.problem import Problem, directly, prepared
 from standfast.stability.delay.rightmost import CONVERGED, newton
 
-# Points resolve e^(sθ) on a delay up to |s| τ of about as much as they are.
-LEAST_POINTS, MOST_POINTS = 48, 120
+# Points resolve e^(sθ) on a delay up to |s| τ of about as much as they are; those of three joints
+# take a twentieth of a second.
+POINTS = {1: 96, 2: 64, 3: 48}
 # A start that moves by more than so much, relative, was none: what lies left of it is not shown.
 RESOLVED = 1e-2
 NEWTON_CALLS = 4
@@ -23,7 +24,9 @@ NEWTON_CALLS = 4
 SAME = 1e-7
 
 
-def roots_from_the_right(numbers: np.ndarray, delay: float, *, most: int = 12) -> np.ndarray:
+def roots_from_the_right(
+    numbers: np.ndarray, delay: float, *, most: int = 12, rightmost: complex | None = None
+) -> np.ndarray:
     """Return the characteristic roots with the largest real parts (1/s), imaginary part ≥ 0.
 
     Parameters
@@ -34,11 +37,13 @@ def roots_from_the_right(numbers: np.ndarray, delay: float, *, most: int = 12) -
         τ, s.
     most
         how many are wanted; without delay there are at most 2 n.
+    rightmost
+        the first if it is proven (:func:`.rightmost.rightmost_roots`), which is then among them
+        also where the points do not resolve it.
 
     Returns
     -------
     complex array, by falling real part, as far to the left as the points resolve all of them.
-    That the first is the rightmost is proven elsewhere (:func:`.rightmost.rightmost_roots`).
     """
     joints = numbers.shape[-1]
     if joints == 0:
@@ -47,9 +52,7 @@ def roots_from_the_right(numbers: np.ndarray, delay: float, *, most: int = 12) -
     at_once, alone = np.linalg.eigvals(now + late), np.linalg.eigvals(now)
     starts, line = at_once, -np.inf
     if delay > 0.0:
-        reach = delay * max(np.abs(at_once).max(), np.abs(alone).max())
-        points = int(np.clip(0.6 * reach, LEAST_POINTS, MOST_POINTS))
-        starts = np.linalg.eigvals(_generator(now, late, delay, points))
+        starts = np.linalg.eigvals(_generator(now, late, delay, POINTS[joints]))
         starts = starts[np.argsort(-starts.real)][: 8 * most]
     starts = starts[starts.imag >= 0.0]
     roots, moved = _polished(numbers, delay, starts)
@@ -59,6 +62,8 @@ def roots_from_the_right(numbers: np.ndarray, delay: float, *, most: int = 12) -
         # what is over before the feedback arrives is near a root without it
         more = np.concatenate([each[each.imag >= 0.0] for each in (at_once, alone)])
         roots = np.concatenate([roots, _polished(numbers, delay, more)[0]])
+    if rightmost is not None:
+        roots = np.append(roots, rightmost)
     roots = roots[np.isfinite(roots)]
     roots = roots[np.argsort(-roots.real, kind="stable")]
     kept: list[complex] = []

@@ -29,6 +29,7 @@ LABEL: dict[str, Any] = {
     "background_fill_alpha": 0.85,
     "padding": 2,
 }
+FOLDER = files("standfast.explore") / "page"
 START = "main.js"
 IMPORT = re.compile(r'^import\s*\{[^}]*\}\s*from\s*"\./([\w-]+\.js)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=(async |function|class|const|let))", re.MULTILINE)
@@ -56,10 +57,9 @@ def page_html(content: Mapping[str, Any]) -> str:
 
 def scripts() -> dict[str, str]:
     """Return the modules of the page by name; that of the formulas is printed now."""
-    folder = files("standfast.explore") / "page"
     found = {
         file.name: file.read_text(encoding="utf-8")
-        for file in folder.iterdir()
+        for file in FOLDER.iterdir()
         if file.name.endswith(".js")
     }
     return {**found, "formulas.js": formulas_module()}
@@ -86,7 +86,7 @@ def script(modules: Mapping[str, str]) -> str:
 
 
 def _text(name: str) -> str:
-    return (files("standfast.explore") / "page" / name).read_text(encoding="utf-8")
+    return (FOLDER / name).read_text(encoding="utf-8")
 
 
 def _plot(name: str, **more: Any) -> figure:

@@ -9,6 +9,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+PAGE := $(wildcard src/standfast/explore/page/*.js)
 
 .PHONY: atlas feedback population test check bench reproduce format clean
 .DELETE_ON_ERROR:
@@ -48,6 +49,7 @@ check: $(VENV)/check.stamp
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+	$(if $(PAGE),$(BIN)/biome ci --error-on-warnings $(PAGE))
 	$(MAKE) test
 
 bench: $(VENV)/bench.stamp
@@ -57,6 +59,7 @@ bench: $(VENV)/bench.stamp
 format: $(VENV)/check.stamp
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
+	$(if $(PAGE),$(BIN)/biome check --write $(PAGE))
 
 $(VENV)/bench.stamp: $(VENV)/test.stamp
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test,bench]'

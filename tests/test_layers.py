@@ -44,6 +44,7 @@ ROOMS = [
     "figures",
     "plot",
     "edwards2007",
+    "explore",
     "cli",
 ]
 # They hand on what is inside, and nobody inside comes through them.

@@ -1,7 +1,9 @@
 """The command as a user types it."""
 
+import contextlib
 import csv
 import errno
+import io
 import json
 import os
 import shutil
@@ -108,9 +110,17 @@ def test_wrong_words_exit_with_2_and_no_traceback(arguments):
     assert "usage: standfast" in result.stderr
 
 
-def test_reproduce_writes_figures_and_tables_and_nothing_else(tmp_path, capsys):
-    folder = tmp_path / "deep" / "paper"
-    assert main(["reproduce", "-o", str(folder)]) == 0
+@pytest.fixture(scope="module")
+def reproduced(tmp_path_factory):
+    """The paper's figures and tables in a folder, and what the command printed."""
+    folder = tmp_path_factory.mktemp("paper") / "deep" / "paper"
+    with contextlib.redirect_stdout(io.StringIO()) as told:
+        assert main(["reproduce", "-o", str(folder)]) == 0
+    return folder, told.getvalue()
+
+
+def test_reproduce_writes_figures_and_tables_and_nothing_else(reproduced):
+    folder, told = reproduced
     names = {path.name for path in folder.iterdir()}
     figures = {
         f"{stem}.{suffix}"
@@ -123,7 +133,7 @@ def test_reproduce_writes_figures_and_tables_and_nothing_else(tmp_path, capsys):
         for suffix in ("png", "svg")
     }
     assert names == figures | {"comparison.md", "comparison.csv"}
-    assert "not reproduced" in capsys.readouterr().out
+    assert "not reproduced" in told
     with (folder / "comparison.csv").open(encoding="utf-8", newline="") as file:
         rows = {(row["quantity"], row["published"]): row for row in csv.DictReader(file)}
     assert rows["hip threshold, ankle and knee rigid", "179.7"]["verdict"] == "not reproduced"
@@ -131,7 +141,7 @@ def test_reproduce_writes_figures_and_tables_and_nothing_else(tmp_path, capsys):
         assert ET.parse(path).getroot().tag.endswith("svg")  # noqa: S314 - our own file
 
 
-def test_a_console_without_greek_and_a_users_own_style_do_not_matter(tmp_path):
+def test_a_console_without_greek_and_a_users_own_style_do_not_matter(tmp_path, reproduced):
     (tmp_path / "matplotlibrc").write_text("text.usetex: True\nfont.family: serif\n")
     result = subprocess.run(
         [sys.executable, "-m", "standfast", "reproduce", "-o", "there"],
@@ -139,16 +149,14 @@ def test_a_console_without_greek_and_a_users_own_style_do_not_matter(tmp_path):
         env={**os.environ, "PYTHONIOENCODING": "cp1252", "MPLBACKEND": "tkagg"},
     )  # fmt: skip
     assert result.returncode == 0, result.stderr
-    assert main(["reproduce", "-o", str(tmp_path / "here")]) == 0
-    for path in (tmp_path / "here").iterdir():
+    for path in reproduced[0].iterdir():
         assert path.read_bytes() == (tmp_path / "there" / path.name).read_bytes()
 
 
-def test_reproduce_twice_gives_the_same_bytes(tmp_path):
-    for name in ("one", "two"):
-        main(["reproduce", "-o", str(tmp_path / name)])
-    for path in (tmp_path / "one").iterdir():
-        assert path.read_bytes() == (tmp_path / "two" / path.name).read_bytes(), path.name
+def test_reproduce_twice_gives_the_same_bytes(tmp_path, reproduced):
+    main(["reproduce", "-o", str(tmp_path / "again")])
+    for path in reproduced[0].iterdir():
+        assert path.read_bytes() == (tmp_path / "again" / path.name).read_bytes(), path.name
 
 
 def test_a_folder_that_cannot_be_made_is_one_sentence(tmp_path, capsys):

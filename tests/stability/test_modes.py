@@ -1,11 +1,13 @@
 """Eigenvalues and shapes against mpmath at 50 digits, from the same body, stiffness and gravity."""
 
+import functools
 import math
 
 import jax
 import mpmath
 import numpy as np
 import pytest
+import scipy.linalg
 import scipy.optimize
 
 import standfast as sf
@@ -99,10 +101,12 @@ def near_equal(rng):
     apart by a random share of that down to 10⁻¹⁶."""
     body, gravity = random_body(rng), random_gravity(rng)
     pair = rng.integers(2)
+    inertia = sf.inertia_matrix(body)
+    toppling = sf.stiffness_matrix(body, sf.Stiffness(0.0, 0.0, 0.0), gravity)
 
     def gap(logs):
-        logs = np.clip(logs, 0.0, 10.0)
-        values = sf.modes(body, sf.Stiffness(*np.exp(logs)), gravity).eigenvalues
+        springs = np.diag(np.exp(np.clip(logs, 0.0, 10.0)))
+        values = scipy.linalg.eigh(toppling + springs, inertia, eigvals_only=True)
         return (values[pair + 1] - values[pair]) / abs(values).max()
 
     found = scipy.optimize.minimize(
@@ -126,6 +130,22 @@ KINDS = {
 }
 
 
+@functools.cache
+def cases_of(kind):
+    """Persons of a kind, each with its exact eigenvalues and shapes."""
+    make, count = KINDS[kind]
+    rng = np.random.default_rng((2007, list(KINDS).index(kind)))
+    cases = [make(rng) for _ in range(count)]
+    return cases, [exact_modes(*case) for case in cases]
+
+
+@jax.jit
+@jax.vmap
+def traced_modes(*leaves):
+    person = person_of(*leaves)
+    return sf.modes(*person), verdict(*person)
+
+
 def wrong_eigenvalues(ours, exact):
     """Return the largest relative error of λ₂, λ₃, and of λ₁ where the promise holds for it."""
     worst = 0.0
@@ -138,14 +158,10 @@ def wrong_eigenvalues(ours, exact):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_eigenvalues_and_shapes_of_plain_and_traced_calls(kind):
-    make, count = KINDS[kind]
     shape_atol = EXTREME_SHAPE_ATOL if kind == "extreme" else SHAPE_ATOL
-    rng = np.random.default_rng((2007, list(KINDS).index(kind)))
-    cases = [make(rng) for _ in range(count)]
-    traced, verdicts = jax.jit(
-        jax.vmap(lambda *leaves: (sf.modes(*person_of(*leaves)), verdict(*person_of(*leaves))))
-    )(*batch(cases))
-    exact_ones = [exact_modes(*case) for case in cases]
+    cases, exact_ones = cases_of(kind)
+    count = len(cases)
+    traced, verdicts = traced_modes(*batch(cases))
     for number, (case, (exact, shapes)) in enumerate(zip(cases, exact_ones, strict=True)):
         results = (
             (sf.modes(*case), sf.is_stable(*case)),
@@ -249,13 +265,11 @@ def test_the_energy_of_the_neutral_mode_vanishes():
 @pytest.mark.parametrize("kind", KINDS)
 def test_fast_eigenvalues_are_right_or_uncertain(kind):
     """Also near 0 without any exception: there they are in doubt."""
-    make, count = KINDS[kind]
-    rng = np.random.default_rng((1975, list(KINDS).index(kind)))
+    cases, exact_ones = cases_of(kind)
+    count = len(cases)
     doubts, ignored = 0, 0.0
-    for _ in range(count):
-        case = make(rng)
+    for case, (exact, _) in zip(cases, exact_ones, strict=True):
         found, doubt = fast_eigenvalues(*case)
-        exact, _ = exact_modes(*case)
         errors = [
             float(abs((mpmath.mpf(float(ours)) - value) / value)) if value else math.inf
             for ours, value in zip(found.eigenvalues, exact, strict=False)
@@ -272,18 +286,20 @@ def test_fast_eigenvalues_are_right_or_uncertain(kind):
         assert ignored > 100.0 * EIGENVALUE_RTOL
 
 
+@jax.jit
+@jax.vmap
+def fast_and_reference(ankle, knee, hip):
+    body = sf.Body.from_height_mass(1.6, 95.0, model="de-leva-female")
+    of = (body, sf.Stiffness(ankle, knee, hip), 9.81)
+    return fast_eigenvalues(*of), modes(*of).eigenvalues, fast_reserve(*of), reserve(*of)
+
+
 @pytest.mark.parametrize(("least", "most"), [(-3, 3), (0, 2.5), (0, 5), (2, 4), (0, 9)])
 def test_fast_ways_agree_with_the_references(least, most):
     """At many persons, in every manner of falling and standing."""
     rng = np.random.default_rng((2007, int(10 * most)))
-    body = sf.Body.from_height_mass(1.6, 95.0, model="de-leva-female")
-
-    def both(ankle, knee, hip):
-        of = (body, sf.Stiffness._make((ankle, knee, hip)), 9.81)
-        return fast_eigenvalues(*of), modes(*of).eigenvalues, fast_reserve(*of), reserve(*of)
-
     stiffness = (10.0 ** rng.uniform(least, most, 50_000) for _ in range(3))
-    (fast, doubt), exact, (low, in_doubt), least_of_c = jax.jit(jax.vmap(both))(*stiffness)
+    (fast, doubt), exact, (low, in_doubt), least_of_c = fast_and_reference(*stiffness)
     errors = np.abs(np.stack(fast.eigenvalues, axis=1) / exact - 1.0)[~np.asarray(doubt)]
     assert errors.max() < EIGENVALUE_RTOL
     assert np.abs(low / least_of_c - 1.0)[~np.asarray(in_doubt)].max() < EIGENVALUE_RTOL

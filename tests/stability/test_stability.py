@@ -51,17 +51,20 @@ def evaluate(*leaves):
 
 
 def lapack_signs(a, c, rigid):
-    """Smallest and largest eigenvalue by scipy.linalg.eigh, rigid joints struck out."""
+    """Smallest and largest eigenvalue by LAPACK, all matrices at once, rigid joints struck out.
+
+    C v = λ A v becomes L⁻¹C L⁻ᵀ w = λ w with A = L Lᵀ, as LAPACK's own generalized driver does.
+    """
     lowest, highest = np.full(len(a), np.inf), np.full(len(a), np.inf)
     for pattern in itertools.product((False, True), repeat=3):
         free = [joint for joint in range(3) if not pattern[joint]]
         rows = np.flatnonzero((rigid == pattern).all(axis=1))
-        for row in rows if free else ():
-            keep = np.ix_(free, free)
-            values = scipy.linalg.eigh(
-                c[row][keep], a[row][keep], eigvals_only=True, check_finite=False
-            )
-            lowest[row], highest[row] = values[0], np.abs(values).max()
+        if free and rows.size:
+            keep = np.ix_(rows, free, free)
+            root = np.linalg.cholesky(a[keep])
+            half = np.linalg.solve(root, c[keep])
+            values = np.linalg.eigvalsh(np.linalg.solve(root, half.transpose(0, 2, 1)))
+            lowest[rows], highest[rows] = values[:, 0], np.abs(values).max(axis=1)
     return lowest, highest
 
 

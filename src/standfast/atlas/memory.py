@@ -1,5 +1,6 @@
 """The same grid in memory: a study computed into a labelled dataset, without a file."""
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
@@ -45,27 +46,7 @@ def compute(study: GivenStudy, *, threads: int | None = None) -> "xarray.Dataset
         raise InputError("compute needs xarray: pip install 'standfast[xarray]'") from None
     check_threads(threads)
     study = Study.of(study)
-    check_own(study)
-    evaluate = Evaluator(study)
-    arrays = {
-        name: np.empty(group.shape, group.dtype)
-        for group in study.grid.groups
-        for name in group.quantities
-    }
-
-    def fill(tile: Tile) -> None:
-        group = study.grid.groups[tile.group]
-        inside = group.inside(tile)
-        target = tuple(
-            slice(first, first + part.stop)
-            for first, part in zip(group.start(tile), inside, strict=True)
-        )
-        for name, values in zip(group.quantities, evaluate(tile), strict=True):
-            arrays[name][target] = values[inside]
-
-    with ThreadPoolExecutor(threads or cores()) as pool:
-        for number in range(study.shard_count):
-            list(pool.map(fill, study.grid.shard(number)))
+    arrays = arrays_of(study, threads=threads)
     given = {**study.axes, **study.fixed}
     return xarray.Dataset(
         {
@@ -78,3 +59,40 @@ def compute(study: GivenStudy, *, threads: int | None = None) -> "xarray.Dataset
         },
         file_attributes(study),
     )
+
+
+def arrays_of(
+    study: Study, *, threads: int | None = None, go_on: Callable[[], object] = lambda: None
+) -> dict[str, np.ndarray]:
+    """Compute a study in memory: an array a quantity, on the axes that it depends on.
+
+    ``go_on`` is called before each tile; what it raises ends the work.
+
+    Raises
+    ------
+    InputError
+        if a quantity of one's own is not one number a person.
+    """
+    check_own(study)
+    evaluate = Evaluator(study)
+    arrays = {
+        name: np.empty(group.shape, group.dtype)
+        for group in study.grid.groups
+        for name in group.quantities
+    }
+
+    def fill(tile: Tile) -> None:
+        go_on()
+        group = study.grid.groups[tile.group]
+        inside = group.inside(tile)
+        target = tuple(
+            slice(first, first + part.stop)
+            for first, part in zip(group.start(tile), inside, strict=True)
+        )
+        for name, values in zip(group.quantities, evaluate(tile), strict=True):
+            arrays[name][target] = values[inside]
+
+    with ThreadPoolExecutor(threads or cores()) as pool:
+        for number in range(study.shard_count):
+            list(pool.map(fill, study.grid.shard(number)))
+    return arrays

@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 
 from standfast.cli import (
     assess,
+    explore,
     info,
     laws,
     person,
@@ -101,6 +102,7 @@ def _parser() -> argparse.ArgumentParser:
         population,
         person,
         assess,
+        explore,
         sway,
         laws,
         info,

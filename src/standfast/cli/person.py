@@ -15,7 +15,7 @@ from standfast.cli.parsing import (
     output_file,
     pairs_of,
 )
-from standfast.cli.person_facts import facts_of, who
+from standfast.cli.person_facts import facts_of
 from standfast.cli.person_text import fed_back_in_words, motion, print_person
 from standfast.errors import InputError
 from standfast.parameters import (
@@ -228,6 +228,7 @@ def _of_options(sentence: str) -> str:
 
 def _draw(path: Path, given: dict[str, Any], facts: dict[str, Any]) -> None:
     from standfast.figures.person import draw_person
+    from standfast.quantities.person_facts import person_of
 
     if not facts["modes"]:
         raise InputError("three rigid joints do not move, so there is nothing to draw")
@@ -237,7 +238,7 @@ def _draw(path: Path, given: dict[str, Any], facts: dict[str, Any]) -> None:
     alone = "springs alone: " if title else ""
     draw_person(
         path,
-        who(given).body,
+        person_of(given).body,
         given.get("height"),
         rotation=tuple(mode["rotations"].values()),
         falls=mode["eigenvalue"] <= 0.0,

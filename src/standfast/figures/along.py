@@ -17,7 +17,7 @@ from standfast.errors import InputError, shortened
 from standfast.figures import labels, locus
 from standfast.figures.choosing import MOST_CURVES, middles, thinned
 from standfast.figures.given import atlas_in
-from standfast.figures.maps import CUT_AT, LIMITS, RUNNING_AWAY
+from standfast.figures.maps import CUT_AT, RUNNING_AWAY
 from standfast.figures.naming import curve_words, given_words, set_title
 from standfast.figures.scales import set_scale
 from standfast.figures.slicing import full_name, slice_of
@@ -191,7 +191,7 @@ def _set_height(ax: Axes, quantity: str, curves: Sequence[np.ndarray]) -> None:
     middle = np.median(values) if values.size else 0.0
     if values.size and values.min() > 0.0 and values.max() > RUNNING_AWAY * middle:
         ax.set_ylim(0.0, CUT_AT * middle)
-    limit = LIMITS.get(quantity)
+    limit = QUANTITIES[quantity].limit
     low, high = ax.get_ylim()
     ax.set_ylim(low, high)
     if limit is not None and low < limit < high:

@@ -41,16 +41,6 @@ RUNNING_AWAY, CUT_AT = 8.0, 4.0
 
 # No contours are drawn of what jumps, from one root or mode to another.
 JUMPING = ("sway_frequency", "damping_ratio", "hip_ankle_ratio", "knee_ankle_ratio")
-# What a quantity is at the limit of standing, below which the person falls.
-LIMITS = {
-    "stiffness_reserve": 0.0,
-    "safety_factor": 1.0,
-    "eigenvalue_1": 0.0,
-    "frequency": 0.0,
-    "delay_margin": 0.0,
-    "decay_rate": 0.0,
-    "damping_ratio": 0.0,
-}
 STRATEGIES = "hip_ankle_ratio"
 
 
@@ -287,5 +277,6 @@ def _limits_of(study: Study, quantity: str, *, known: bool) -> dict[str, Any]:
         count = len(delays)
         kept = {round(i) for i in np.linspace(0, count - 1, min(count, MOST_CURVES))}
         marks = [float(delays[i]) for i in sorted(kept) if delays[i] > 0.0]
-    drawn = [LIMITS[quantity]] if known and quantity in LIMITS else []
+    limit = QUANTITIES[quantity].limit
+    drawn = [limit] if known and limit is not None else []
     return {"marks": marks, "drawn": drawn}

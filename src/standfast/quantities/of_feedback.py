@@ -35,6 +35,7 @@ OF_FEEDBACK = (
         without=(NOISE,),
         fed_back=answers.delay_margin,
         of_one_joint=lambda one: one_joint.critical_delay(joint_of(one)) - delay_of(one.given),
+        limit=0.0,
     ),
     Quantity(
         "unstable_roots",
@@ -55,6 +56,7 @@ OF_FEEDBACK = (
         None,
         without=(NOISE,),
         fed_back=answers.decay_rate,
+        limit=0.0,
     ),
     Quantity(
         "sway_frequency",
@@ -73,5 +75,6 @@ OF_FEEDBACK = (
         None,
         without=(NOISE,),
         fed_back=answers.damping_ratio,
+        limit=0.0,
     ),
 )

@@ -48,6 +48,7 @@ def _eigenvalue(number: int, mode: str) -> Quantity:
         lambda _, found: found.eigenvalues[number - 1],
         without=NERVES,
         fast=eigenvalues_of,
+        limit=0.0 if number == 1 else None,
     )
 
 
@@ -111,6 +112,7 @@ OF_SPRINGS = (
         of_springs(stiffness_reserve),
         without=NERVES,
         fast=of_springs(fast.fast_reserve),
+        limit=0.0,
     ),
     Quantity(
         "safety_factor",
@@ -119,6 +121,7 @@ OF_SPRINGS = (
         "factor by which all stiffnesses could be divided and the person just stand",
         of_springs(safety_factor),
         without=NERVES,
+        limit=1.0,
     ),
     _eigenvalue(1, "least stable"),
     _eigenvalue(2, "second"),
@@ -132,6 +135,7 @@ OF_SPRINGS = (
         lambda _, found: frequency_of(found.eigenvalues[0]),
         without=NERVES,
         fast=eigenvalues_of,
+        limit=0.0,
     ),
     Quantity(
         "growth_rate",

@@ -63,7 +63,8 @@ class Quantity:
     ``fed_back`` answers it for persons with delayed feedback (:class:`.delay.answers.FedBack`), in
     studies that have gains; a quantity without ``reference`` is found that way in every study.
     ``of_one_joint`` finds it in closed form where two joints are rigid throughout a study. ``own``
-    is one that a user added.
+    is one that a user added. ``limit`` is its value at the limit of standing, below which the
+    person falls, if there is such a value.
     """
 
     name: str
@@ -80,6 +81,7 @@ class Quantity:
     fed_back: Callable[[FedBack], np.ndarray] | None = None
     of_one_joint: Callable[[Person], Scalar] | None = None
     own: bool = False
+    limit: float | None = None
 
     @property
     def label(self) -> str:

@@ -1,0 +1,212 @@
+"""``standfast explore``: the page on which one sees a person stand, sway and fall."""
+
+import argparse
+import contextlib
+import functools
+import math
+import secrets
+import sys
+import threading
+import webbrowser
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from standfast.cli.parsing import add_command, pairs_of
+from standfast.errors import InputError
+from standfast.parameters import OWN_BODY, PARAMETERS, STIFFNESSES, checked_number
+
+if TYPE_CHECKING:
+    from standfast.atlas.reader import Atlas
+    from standfast.explore.live import Live
+    from standfast.study.study import Study
+
+PAIR = "NAME=VALUE, as height=1.75"
+HIGHEST_PORT = 65_535
+ENDINGS = (".html", ".htm")
+NEEDS = "explore needs {}: pip install 'standfast[explore]'"
+
+
+def add(commands: Any) -> None:
+    """Declare the command."""
+    parser = add_command(
+        commands,
+        _explore,
+        "a page in the browser: move a person's numbers, and see them stand, sway and fall",
+        "explore --person height=1.66,mass=68,ankle=900",
+        compiles=True,
+    )
+    words = "an atlas, or a study, which is computed as it is looked at (default: a nominal adult)"
+    parser.add_argument("source", nargs="?", type=Path, metavar="FILE.h5|STUDY.toml", help=words)
+    words = "who is shown at first, as height=1.75,mass=75,ankle=900,knee=inf; repeatable"
+    parser.add_argument("--person", action="append", default=[], metavar="NAME=VALUE", help=words)
+    words = (
+        "a subject on the map, as ankle=900,hip=400 with id=NAME if wanted, or a CSV file of "
+        "subjects (columns of parameters and id); repeatable"
+    )
+    parser.add_argument("--mark", action="append", default=[], metavar="SUBJECT", help=words)
+    words = "only this quantity; may be given more than once"
+    parser.add_argument("-q", "--quantity", action="append", default=[], metavar="NAME", help=words)
+    words = "write the page to a file, which needs neither network nor standfast"
+    parser.add_argument("--export", type=Path, metavar="PAGE.html", help=words)
+    words = "where the page is served on this machine (default: any port that is free)"
+    parser.add_argument("--port", type=_port, default=0, metavar="N", help=words)
+    parser.add_argument("--no-browser", action="store_true", help="do not open a browser")
+
+
+def _port(text: str) -> int:
+    if not (text.isascii() and text.isdecimal() and 1 <= int(text) <= HIGHEST_PORT):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a port; give 1 to {HIGHEST_PORT}")
+    return int(text)
+
+
+def _explore(options: argparse.Namespace) -> None:
+    if options.export is not None and options.export.suffix.lower() not in ENDINGS:
+        raise InputError(f"{options.export} is not the name of a page; end it in .html")
+    _require_extra()
+    with _source(options.source) as source:
+        if options.export is not None:
+            _export(options, *source)
+        else:
+            _serve(options, *source)
+
+
+def _require_extra() -> None:
+    """Refuse in a sentence to go on without what is not installed with standfast alone."""
+    try:
+        import bokeh  # noqa: F401
+        import tornado  # noqa: F401
+    except ImportError as error:
+        raise InputError(NEEDS.format(error.name)) from None
+
+
+@contextlib.contextmanager
+def _source(path: Path | None) -> "Iterator[tuple[Study, Atlas | None]]":
+    """Give the study that is looked at, and its atlas if it is one, open meanwhile."""
+    from standfast.explore.content import NOMINAL
+    from standfast.study.study import Study
+
+    if path is None or path.suffix == ".toml":
+        yield Study.from_dict(NOMINAL) if path is None else Study.from_toml(path), None
+    else:
+        from standfast.atlas.opening import open_atlas
+
+        with open_atlas(path) as atlas:
+            yield atlas.study, atlas
+
+
+def _person(options: argparse.Namespace) -> dict[str, float | str]:
+    """Read and check who is shown at first, by the names that ``plot --at`` takes."""
+    from standfast.explore.content import NOMINAL_START
+    from standfast.figures.slicing import full_name, value_in
+
+    found = dict(NOMINAL_START) if options.source is None else {}
+    for text in options.person:
+        for key, words in pairs_of("--person", text, PAIR):
+            name = full_name("--person", key)
+            value = value_in("--person", name, words)
+            if not isinstance(value, str):
+                checked_number(f"--person: {name}", value, row=PARAMETERS[name])
+            found[name] = value
+    return found
+
+
+def _subjects(texts: list[str]) -> list[dict[str, Any]]:
+    if not texts:
+        return []
+    from standfast.figures.marking import subject, subjects_in
+
+    found = []
+    for text in texts:
+        if "=" in text and not Path(text).exists():
+            pair = "NAME=VALUE, as gravity=1.62"
+            found.append(subject("--mark", dict(pairs_of("--mark", text, pair))))
+            continue
+        several, remark = subjects_in(Path(text))
+        found += several
+        if remark:
+            print(f"standfast: {remark}", file=sys.stderr)
+    return [{"label": one.label, "values": dict(one.values)} for one in found]
+
+
+def _serve(options: argparse.Namespace, study: "Study", atlas: "Atlas | None") -> None:
+    from standfast.explore import content, sliders
+    from standfast.explore.page import page_html
+    from standfast.explore.planes import Planes
+    from standfast.explore.server import ADDRESS, Served, listening, serve
+
+    stops = None if atlas is None else atlas.axes
+    token = secrets.token_urlsafe(24)
+    start = sliders.start_of(study, _person(options), stops=stops)
+    told = content.content_of(
+        study,
+        start=start,
+        quantities=content.chosen_quantities(study, options.quantity, live=atlas is None),
+        stops=stops,
+        subjects=_subjects(options.mark),
+        token=token,
+    )
+    own = {name: float(start[name]) for name in OWN_BODY if name in start}
+    planes = None if atlas is None else Planes(atlas)
+    served = Served(page_html(told), token, functools.partial(_live, own), planes)
+    at = listening(options.port)
+    address = f"http://{ADDRESS}:{at.getsockname()[1]}/?token={token}"
+
+    def ready() -> None:
+        print(f"Open {address}\nCtrl-C ends it", flush=True)
+        if not options.no_browser:
+            threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+
+    try:
+        serve(served, at, ready)
+    finally:
+        if planes is not None:
+            planes.close()
+
+
+@functools.lru_cache(maxsize=1)
+def _engine(own: tuple[tuple[str, float], ...]) -> "Live":
+    from standfast.explore.live import Live
+
+    return Live(dict(own))
+
+
+def _live(own: dict[str, float]) -> "Live":
+    """Make the engine ready, which takes a second, when it is first asked for."""
+    return _engine(tuple(own.items()))
+
+
+def _export(options: argparse.Namespace, study: "Study", atlas: "Atlas | None") -> None:
+    from standfast.explore import content, embedding, sliders
+    from standfast.explore.page import page_html
+    from standfast.files import in_bytes, whole_file
+
+    path: Path = options.export
+    quantities = content.chosen_quantities(study, options.quantity, live=atlas is None)
+    stops, embedded, remark = None, None, ""
+    if atlas is not None:
+        plane = content.plane_of(study, quantities[0], live=False)
+        places = embedding.thinned(study, quantities, plane, embedding.EMBEDDED_BYTES)
+        stops = {name: axis[places[name]] for name, axis in atlas.axes.items()}
+        embedded = embedding.embedded(atlas, quantities, plane, places)
+        remark = embedding.left_out(study, places)
+    told = content.content_of(
+        study,
+        start=sliders.start_of(study, _person(options), stops=stops),
+        quantities=quantities,
+        stops=stops,
+        embedded=embedded,
+        subjects=_subjects(options.mark),
+    )
+    text = page_html(told)
+    with whole_file(path) as partial:
+        partial.write_text(text, encoding="utf-8")
+    print(f"Written: {path} ({in_bytes(path.stat().st_size)}), which opens in any browser.")
+    if remark:
+        print(f"It holds {remark}.")
+    free = [name for name in STIFFNESSES if study.fixed.get(name) != math.inf]
+    if atlas is None and study.has_gains and len(free) > 1:
+        print(
+            "Feedback of several joints needs the program, and the page shows springs alone of "
+            "it; sweep the study and export the atlas to keep it."
+        )

@@ -1,0 +1,253 @@
+"""What the page is told: parameters with their sliders, quantities, people, subjects, the start.
+
+Plain values for JSON, which has no infinity: it is the text "inf", and NaN is null.
+"""
+
+import json
+import math
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from standfast.anthropometry.body import REFERENCE_PEOPLE
+from standfast.errors import InputError, nearest_name, shortened
+from standfast.explore.sliders import span_of
+from standfast.parameters import OWN_BODY, PARAMETERS, Parameter
+from standfast.quantities import QUANTITIES
+from standfast.study.study import Study
+from standfast.thresholds.planes import PLANE_AXES, axes_of_plane
+from standfast.version import __version__
+
+# The study of whom the page shows when it is given none.
+NOMINAL: Mapping[str, Any] = {
+    "title": "Nominal adult",
+    "body": {"model": "edwards2007", "height": 1.753, "mass": 75.3},
+    "stiffness": {
+        "ankle": {"start": 0.0, "stop": 2000.0, "num": 401},
+        "knee": 2000.0,
+        "hip": {"start": 0.0, "stop": 1500.0, "num": 401},
+    },
+    "output": {"quantities": ["safety_factor"]},
+}
+# Where its point lies: an adult who just stands.
+NOMINAL_START: Mapping[str, float | str] = {"ankle_stiffness": 1200.0, "hip_stiffness": 500.0}
+
+OWN = "own"  # who is measured segment by segment, among the models of a body
+NERVES = ("damping", "feedback")
+SYMBOLS = {
+    r"\Delta": "Δ",
+    r"\lambda": "λ",
+    r"\sigma": "σ",
+    r"\theta": "θ",
+    r"\zeta": "ζ",
+    r"\tau": "τ",
+    r"\det": "det",
+    r"\min": "min",
+    r"\,": " ",
+}
+
+
+def content_of(
+    study: Study,
+    *,
+    start: Mapping[str, float | str],
+    quantities: Sequence[str],
+    stops: Mapping[str, np.ndarray] | None = None,
+    embedded: Mapping[str, Any] | None = None,
+    subjects: Sequence[Mapping[str, Any]] = (),
+    token: str | None = None,
+) -> dict[str, Any]:
+    """Return what the page is told.
+
+    Parameters
+    ----------
+    study
+        what is looked at: of an atlas, or computed as the reader asks.
+    start
+        value of each parameter that the page opens with (:func:`start_of`).
+    quantities
+        names of what the map can show, the first at the start (:func:`chosen_quantities`).
+    stops
+        of an atlas the values of each axis that the page has; None: formulas.
+    embedded
+        of an exported page the values of quantities by name, encoded.
+    subjects
+        each with ``label`` and ``values`` by name.
+    token
+        what the page shows the server; None: an exported page.
+
+    Returns
+    -------
+    dict, ready for :func:`content_text`.
+    """
+    source = "formulas" if stops is None else "embedded" if embedded is not None else "atlas"
+    rows = [_parameter(study, row, start[row.name], stops) for row in _rows(study, stops, start)]
+    x, y = plane_of(study, quantities[0], live=stops is None)
+    encoded = None
+    if stops is not None and embedded is not None:
+        axes = {name: for_json(axis.tolist()) for name, axis in stops.items()}
+        encoded = {"axes": axes, "values": dict(embedded)}
+    nerves = any(_section(name) in NERVES for name in study.parameters)
+    return {
+        "title": study.title or "Standing",
+        "version": __version__,
+        "served": token is not None,
+        "token": token,
+        "source": source,
+        "parameters": rows,
+        "people": _people(study, start),
+        "quantities": [_quantity(study, name, live=stops is None) for name in quantities],
+        "has_nerves": stops is None or nerves,
+        "embedded": encoded,
+        "subjects": [for_json(dict(one)) for one in subjects],
+        "start": {"x": x, "y": y, "quantity": quantities[0]},
+    }
+
+
+def content_text(content: Mapping[str, Any]) -> str:
+    """Return content as JSON that may stand in a page: nothing in it ends or begins a tag."""
+    text = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def chosen_quantities(study: Study, wanted: Sequence[str], *, live: bool) -> tuple[str, ...]:
+    """Return the quantities of a page: those that are wanted, else the study's.
+
+    ``live``: a study's come first, and all others after them, as they cost nothing.
+
+    Raises
+    ------
+    InputError
+        for a name that is none of them.
+    """
+    builtin = [name for name, row in QUANTITIES.items() if not row.own]
+    known = (*study.quantities, *(n for n in builtin if live and n not in study.quantities))
+    for name in wanted:
+        if name not in known:
+            raise InputError(
+                f"--quantity: there is no {shortened(name)}{nearest_name(name, known)} "
+                f"(quantities: {', '.join(known)})"
+            )
+    return tuple(dict.fromkeys(wanted)) or known
+
+
+def plane_of(study: Study, quantity: str, *, live: bool) -> tuple[str, str]:
+    """Return the axes that the map opens with, the horizontal one first: as the figures have it.
+
+    Of short axes the two longest; a study that is computed live may lack them, and has all others.
+
+    Raises
+    ------
+    InputError
+        if an atlas has not two axes of numbers.
+    """
+    if chosen := axes_of_plane(study, study.axes_of(quantity)):
+        return chosen
+    sizes = {
+        name: int(np.isfinite(axis).sum())
+        for name, axis in study.axes.items()
+        if not PARAMETERS[name].choices
+    }
+    axes = sorted((name for name in sizes if sizes[name] > 1), key=lambda name: -sizes[name])
+    if live:
+        axes = list(dict.fromkeys([*axes, *PLANE_AXES]))
+    if len(axes) < 2:
+        raise InputError("the atlas has not two axes of numbers, and a map needs two")
+    x, y = sorted(axes[:2], key=[*PARAMETERS].index)
+    return x, y
+
+
+def _rows(
+    study: Study, stops: Mapping[str, np.ndarray] | None, start: Mapping[str, Any]
+) -> list[Parameter]:
+    """Return the parameters that the page has: of an atlas those of its study."""
+    if stops is not None:
+        return [row for name, row in PARAMETERS.items() if name in study.parameters]
+    return [row for name, row in PARAMETERS.items() if name in start and name not in OWN_BODY]
+
+
+def _parameter(
+    study: Study,
+    row: Parameter,
+    start: float | str,
+    stops: Mapping[str, np.ndarray] | None,
+) -> dict[str, Any]:
+    told = {
+        "name": row.name,
+        "words": row.words,
+        "symbol": plain_symbol(row.symbol),
+        "unit": row.unit,
+        "meaning": row.meaning,
+        "section": row.section,
+        "lowest": row.lowest,
+        "highest": row.highest,
+        "or_rigid": row.or_rigid,
+        "choices": list(row.choices),
+        "start": start,
+    }
+    if stops is not None:
+        values = stops.get(row.name)
+        more = {"kind": "fixed"} if values is None else {"kind": "stops", "stops": values.tolist()}
+    elif start == OWN:
+        more = {"kind": "fixed"}
+    elif row.choices:
+        more = {"kind": "choice"}
+    else:
+        low, high, step = span_of(row, study.axes.get(row.name), float(start))
+        more = {"kind": "range", "from": low, "to": high, "step": step}
+    found: dict[str, Any] = for_json(told | more)
+    return found
+
+
+def _quantity(study: Study, name: str, *, live: bool) -> dict[str, Any]:
+    row = QUANTITIES[name]
+    return {
+        "name": name,
+        "words": row.words,
+        "symbol": plain_symbol(row.symbol),
+        "unit": row.unit,
+        "meaning": row.meaning,
+        "dtype": row.dtype,
+        "flags": list(row.flags),
+        "limit": row.limit,
+        "of_nerves": row.reference is None,
+        "axes": None if live else list(study.axes_of(name)),
+    }
+
+
+def _people(study: Study, start: Mapping[str, float | str]) -> dict[str, dict[str, float]]:
+    """Return the reference people, and who is measured."""
+    people = {}
+    for model, person in REFERENCE_PEOPLE.items():
+        segments = (float(number) for part in person.body for number in part)
+        numbers = dict(zip(OWN_BODY, segments, strict=True))
+        people[model] = {**numbers, "height": float(person.height), "mass": float(person.mass)}
+    if not study.parameters.keys().isdisjoint(OWN_BODY):
+        own = {name: float(start[name]) for name in OWN_BODY}
+        people = {OWN: {**own, "height": 1.0, "mass": 1.0}, **people}
+    return people
+
+
+def plain_symbol(tex: str) -> str:
+    r"""Return a symbol of a formula as plain text: ``K_{a,\mathrm{crit}}`` is K_a,crit."""
+    text = re.sub(r"\\mathrm\{(.*?)\}", r"\1", tex)
+    for command, letter in SYMBOLS.items():
+        text = text.replace(command, letter)
+    return text.translate({ord("{"): None, ord("}"): None})
+
+
+def _section(name: str) -> str:
+    return PARAMETERS[name].section.partition(".")[0]
+
+
+def for_json(value: Any) -> Any:
+    """Return a value without what JSON does not have."""
+    if isinstance(value, Mapping):
+        return {key: for_json(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [for_json(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None if math.isnan(value) else "inf" if value > 0.0 else "-inf"
+    return value

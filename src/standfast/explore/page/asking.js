@@ -1,0 +1,91 @@
+/** Questions to the program that serves the page. */
+import { decoded } from "./content.js";
+
+/**
+ * Return a function that asks the program and gives its answer: (path, body) → Response.
+ * What the program refuses is thrown as its own sentence.
+ */
+export function askWith(token) {
+  return async (path, body, signal) => {
+    let response;
+    try {
+      response = await fetch(path, {
+        method: "POST",
+        headers: { "Content-Type": "application/json", "X-Standfast-Token": token },
+        body: JSON.stringify(body),
+        signal,
+      });
+    } catch (error) {
+      if (error.name === "AbortError") throw error;
+      throw new Error("The program does not answer; is it still running?");
+    }
+    if (!response.ok) throw new Error(await response.text());
+    return response;
+  };
+}
+
+/**
+ * Keep the newest answer to a question that changes quickly: one is under way at a time, and of
+ * those that come meanwhile only the last is asked. One that takes long gives way to a newer one.
+ */
+export class Newest {
+  #ask;
+  #arrived;
+  #failed;
+  #running = null;
+  #next = null;
+  key = null;
+  answer = null;
+
+  /**
+   * @param {(question: object, signal: AbortSignal) => Promise<object>} ask
+   * @param {() => void} arrived called when there is a new answer
+   * @param {(sentence: string) => void} failed
+   */
+  constructor(ask, arrived, failed) {
+    this.#ask = ask;
+    this.#arrived = arrived;
+    this.#failed = failed;
+  }
+
+  /** Want the answer to a question with a key; what is known so far is `answer`, of `key`. */
+  want(key, question, long = false) {
+    if (this.#running?.key === key || (!this.#running && this.key === key)) {
+      this.#next = null;
+      return;
+    }
+    this.#next = { key, question, long };
+    if (!this.#running) this.#go();
+    else if (this.#running.long) this.#running.stop.abort();
+  }
+
+  async #go() {
+    while (this.#next) {
+      const { key, question, long } = this.#next;
+      this.#next = null;
+      this.#running = { key, long, stop: new AbortController() };
+      try {
+        this.answer = await this.#ask(question, this.#running.stop.signal);
+        this.key = key;
+      } catch (error) {
+        if (error.name !== "AbortError") {
+          // not asked again until it changes
+          this.key = key;
+          this.answer = null;
+          this.#failed(error.message);
+        }
+      }
+      this.#running = null;
+      this.#arrived();
+    }
+  }
+}
+
+/** Read the facts of a person with feedback: infinite numbers are words in JSON. */
+export async function factsFrom(response) {
+  const facts = await response.json();
+  for (const key of ["critical_delay", "delay_margin", "critical_frequency", "unstable_roots"]) {
+    if (key in facts) facts[key] = decoded(facts[key]);
+  }
+  return facts;
+}

@@ -1,0 +1,119 @@
+/** Planes of an atlas: embedded in the page, or read by the program that serves it. */
+import { Newest } from "./asking.js";
+
+const TYPES = { float64: Float64Array, float32: Float32Array, uint8: Uint8Array };
+const KEPT = 64; // planes
+
+/** Planes of an atlas, whose axes have stops; asked for at the reader's stops of all others. */
+export class Cells {
+  #content;
+  #whole;
+  #newest;
+  #kept = new Map();
+
+  /** @param {object|null} whole values of an embedded atlas by quantity, decoded */
+  constructor(content, { whole, ask, arrived, failed }) {
+    this.#content = content;
+    this.#whole = whole;
+    this.#newest = ask && new Newest((planes) => this.#read(ask, planes), arrived, failed);
+  }
+
+  /** What the map shows: the plane of a quantity, the verdict's, and where the limit lies. */
+  sample(state, name) {
+    const names = [name];
+    if (name !== "stable" && "stable" in this.#content.quantity) names.push("stable");
+    const planes = names.map((each) => this.#planeAt(state, each));
+    const missing = planes.filter((plane) => !this.#kept.has(plane.key));
+    if (missing.length > 0 && this.#whole) {
+      for (const plane of missing) this.#keep(plane, this.#cut(plane));
+    } else if (missing.length > 0) {
+      this.#newest.want(missing.map((plane) => plane.key).join(), missing);
+    }
+    const [shown, stable] = planes.map((plane) => this.#kept.get(plane.key) ?? null);
+    const standing = name === "stable" ? shown : (stable ?? null);
+    const { limit } = this.#content.quantity[name];
+    const own = shown && Number.isFinite(limit) ? { ...shown, level: limit } : null;
+    const byVerdict = standing && { ...standing, level: 0.5 };
+    const lacking = missing.some((plane) => !this.#kept.has(plane.key));
+    const result = { shown, standing, limit: own ?? byVerdict, pending: lacking };
+    return { ...result, coarse: false, word: "" };
+  }
+
+  #planeAt(state, quantity) {
+    const { axes } = this.#content.quantity[quantity];
+    const at = {};
+    for (const axis of axes) {
+      if (axis === state.x || axis === state.y) continue;
+      at[axis] = this.#content.parameter[axis].stops.indexOf(state.values[axis]);
+    }
+    const plane = { quantity, x: state.x, y: state.y, at };
+    return { ...plane, key: JSON.stringify(plane) };
+  }
+
+  #keep({ key, x, y }, values) {
+    const stops = [x, y].map((axis) => this.#content.parameter[axis].stops);
+    this.#kept.set(key, withoutInfinite(values, ...stops));
+    if (this.#kept.size > KEPT) this.#kept.delete(this.#kept.keys().next().value);
+  }
+
+  async #read(ask, planes) {
+    for (const plane of planes) {
+      const { quantity, x, y, at } = plane;
+      const response = await ask("/atlas", { quantity, x, y, at });
+      const Type = TYPES[this.#content.quantity[quantity].dtype];
+      this.#keep(plane, new Type(await response.arrayBuffer()));
+    }
+    return planes;
+  }
+
+  #cut({ quantity, x, y, at }) {
+    const { axes } = this.#content.quantity[quantity];
+    const lengths = axes.map((axis) => this.#content.parameter[axis].stops.length);
+    let stride = 1;
+    const strides = {};
+    for (let i = axes.length - 1; i >= 0; i--) {
+      strides[axes[i]] = stride;
+      stride *= lengths[i];
+    }
+    const start = Object.entries(at).reduce((sum, [axis, i]) => sum + strides[axis] * i, 0);
+    const [across, up] = [x, y].map((axis) => this.#content.parameter[axis].stops.length);
+    const whole = this.#whole[quantity];
+    const values = new whole.constructor(across * up);
+    for (let row = 0; row < up; row++) {
+      for (let column = 0; column < across; column++) {
+        // an axis on which it does not depend has no stride
+        const from = start + row * (strides[y] ?? 0) + column * (strides[x] ?? 0);
+        values[row * across + column] = whole[from];
+      }
+    }
+    return values;
+  }
+}
+
+function withoutInfinite(values, xStops, yStops) {
+  const kept = [xStops, yStops].map((stops) =>
+    stops.map((_, i) => i).filter((i) => Number.isFinite(stops[i])),
+  );
+  const [columns, rows] = kept;
+  const xs = Float64Array.from(columns, (i) => xStops[i]);
+  const ys = Float64Array.from(rows, (i) => yStops[i]);
+  if (xs.length === xStops.length && ys.length === yStops.length) return { values, xs, ys };
+  const finite = new values.constructor(xs.length * ys.length);
+  rows.forEach((row, j) => {
+    columns.forEach((column, i) => {
+      finite[j * xs.length + i] = values[row * xStops.length + column];
+    });
+  });
+  return { values: finite, xs, ys };
+}
+
+/** Decode the values of an embedded atlas: base64 of zlib. */
+export async function embeddedValues(content) {
+  const decode = async ([name, text]) => {
+    const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+    const inflated = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+    const Type = TYPES[content.quantity[name].dtype];
+    return [name, new Type(await new Response(inflated).arrayBuffer())];
+  };
+  return Object.fromEntries(await Promise.all(Object.entries(content.embedded.values).map(decode)));
+}

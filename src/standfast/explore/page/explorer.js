@@ -1,0 +1,160 @@
+/** One loop from what the reader does to what is seen: all that changed is drawn in one frame. */
+import { factsFrom, Newest } from "./asking.js";
+import { showScale } from "./bar.js";
+import { encoded } from "./content.js";
+import { lengthsOf, movementOf, nervesOf, oneJointFacts, rootsOf, springFacts } from "./facts.js";
+import { axisOf, spreadOver, windowOf } from "./frame.js";
+import { writer } from "./margins.js";
+import { rootWords } from "./roots.js";
+import { fillPerson } from "./state.js";
+import { mapWords, verdictWords } from "./words.js";
+
+/** Milliseconds after the last change until the picture is made in full. */
+const REST = 250;
+const KEPT_TIMES = 1000;
+
+/** What the page shows of a state, and when. */
+export class Explorer {
+  #content;
+  #formulas;
+  #parts;
+  #person;
+  #fedBack;
+  #requested = 0;
+  #timer = 0;
+  #inputAt = 0;
+  #changedAt = Number.NEGATIVE_INFINITY;
+  #said = "";
+  #rootWords = "";
+  #pictures = 0;
+  #write = writer();
+  /** The person as last shown. */
+  found = { facts: null, fedBack: null };
+  /** From an input to the painted picture, ms. */
+  times = [];
+  state;
+
+  /** @param {object} parts map, moving, roots, margins, controls, planes, elements, look, rested */
+  constructor(content, formulas, parts, state, ask, failed) {
+    this.#content = content;
+    this.#formulas = formulas;
+    this.#parts = parts;
+    this.#person = new Float64Array(formulas.slotCount);
+    this.state = state;
+    const answer = async (question, signal) => factsFrom(await ask("/person", question, signal));
+    this.#fedBack = ask && new Newest(answer, () => this.draw(), failed);
+  }
+
+  /** Take a change of the state, and draw it soon; `at` is when the reader made it. */
+  change(changes, at = performance.now()) {
+    Object.assign(this.state, changes);
+    this.#inputAt ||= at;
+    this.#changedAt = performance.now();
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => this.#rest(), REST);
+    this.draw();
+  }
+
+  /** Draw the state in the next frame. */
+  draw() {
+    if (this.#requested === 0) this.#requested = requestAnimationFrame(() => this.#frame());
+  }
+
+  /** The axes of the map and the window that is seen. */
+  view() {
+    const { state } = this;
+    const [x, y] = [axisOf(this.#content, state.x), axisOf(this.#content, state.y)];
+    return { x, y, window: windowOf(state, x, y) };
+  }
+
+  #frame() {
+    this.#requested = 0;
+    const began = this.#inputAt;
+    this.#inputAt = 0;
+    const { state } = this;
+    const { map, controls, planes, elements } = this.#parts;
+    const { x, y, window } = this.view();
+    const resting = performance.now() - this.#changedAt >= REST - 10;
+    const spread = (low, high, side, axis) => spreadOver(axis === "x" ? x : y, low, high, side);
+    const sample = planes.sample(state, window, spread, resting);
+    const quantity = this.#content.quantity[state.quantity];
+    const subjects = this.#content.subjects ?? [];
+    const drawn = map.show({ sample, x, y, window, quantity, point: state.values, subjects });
+    showScale(elements.bar, drawn.quantity, drawn.scale, this.#parts.look());
+    elements.computing.hidden = !sample.pending;
+    this.#write(elements.word, sample.word);
+    controls(state.values);
+    this.#showPerson(resting);
+    if (sample.coarse && resting && !sample.pending) this.draw();
+    if (resting) this.#say(sample.pending);
+    if (began) this.#measure(began);
+  }
+
+  #showPerson(resting) {
+    const { state } = this;
+    const { moving, roots, margins, elements } = this.#parts;
+    const person = fillPerson(this.#content, this.#formulas.slots, state.values, this.#person);
+    const nerves = nervesOf(state);
+    const facts = springFacts(this.#formulas, person);
+    const fedBack = this.#fedBackOf(person, nerves);
+    this.found = { facts, fedBack };
+    const rigid = facts.own.map((own) => own === Number.POSITIVE_INFINITY);
+    const body = this.#formulas.bodyAt(person);
+    moving.show(lengthsOf(body, state.values.height), rigid, movementOf(facts, fedBack));
+    const inPlane = rootsOf(facts, fedBack);
+    // of pictures in quick succession each third has new roots, which take long to draw
+    this.#pictures += 1;
+    if (resting || this.#pictures % 3 === 0) roots.show(inPlane);
+    this.#write(elements.outside, roots.beyond(inPlane));
+    margins(facts, fedBack);
+    this.#said = verdictWords(facts, fedBack, nerves);
+    this.#write(elements.verdict, this.#said);
+    const stands = fedBack && nerves.gained ? fedBack.stands : facts.stands;
+    elements.verdict.classList.toggle("falls", !stands);
+    elements.verdict.classList.toggle("stale", fedBack?.stale === true);
+    this.#rootWords = rootWords(inPlane);
+  }
+
+  #fedBackOf(person, nerves) {
+    if (!nerves.gained && !nerves.damped) return null;
+    const one = oneJointFacts(this.#formulas, person, nerves);
+    if (!this.#fedBack) return one;
+    const parameters = Object.fromEntries(
+      Object.entries(this.state.values).map(([name, value]) => [name, encoded(value)]),
+    );
+    const key = JSON.stringify(parameters);
+    this.#fedBack.want(key, { parameters });
+    const { answer } = this.#fedBack;
+    if (this.#fedBack.key === key) return answer ?? one;
+    return one ?? (answer && { ...answer, stale: true });
+  }
+
+  #rest() {
+    this.draw();
+    this.#parts.rested();
+  }
+
+  /** Tell those who listen, once the reader rests. */
+  #say(pending) {
+    const { elements } = this.#parts;
+    this.#write(elements.said, this.#said);
+    elements.map.setAttribute(
+      "aria-label",
+      mapWords(this.#content, this.state, this.#said, pending),
+    );
+    elements.roots.setAttribute("aria-label", this.#rootWords);
+  }
+
+  #measure(began) {
+    // a message is taken up after the frame has been painted
+    const channel = new MessageChannel();
+    channel.port1.onmessage = () => {
+      const end = performance.now();
+      performance.measure("input→painted", { start: began, end });
+      this.times.push(end - began);
+      if (this.times.length > KEPT_TIMES) this.times.shift();
+      channel.port1.close();
+    };
+    channel.port2.postMessage(0);
+  }
+}

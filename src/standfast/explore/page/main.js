@@ -1,0 +1,216 @@
+/** The page: its parts are made, and joined. */
+import { askWith } from "./asking.js";
+import { Cells, embeddedValues } from "./cells.js";
+import { axesOf, contentOf } from "./content.js";
+import { controlsIn } from "./controls.js";
+import { csvOf, fixedWords, personJson, pictureOf, save } from "./downloads.js";
+import { Explorer } from "./explorer.js";
+import { bodyAt, modesAt, oneJoint, slotCount, slots, springs } from "./formulas.js";
+import { connectMap } from "./hand.js";
+import { StandingMap } from "./map.js";
+import { marginsIn } from "./margins.js";
+import { MovingPerson } from "./person.js";
+import { Planes } from "./planes.js";
+import { Plot } from "./plot.js";
+import { RootPlane } from "./roots.js";
+import { checkedValue, hashOf, startState, stateOf } from "./state.js";
+
+const formulas = { bodyAt, modesAt, oneJoint, slotCount, slots, springs };
+const byId = (id) => document.getElementById(id);
+const content = contentOf(byId("content").textContent);
+
+function tell(sentence) {
+  byId("status").textContent = sentence;
+}
+
+let seen = null;
+
+/** The colours and the font of the page, as it is seen now. */
+function look() {
+  seen ??= lookNow();
+  return seen;
+}
+
+function lookNow() {
+  const style = getComputedStyle(document.documentElement);
+  const colour = (name) => style.getPropertyValue(`--${name}`).trim();
+  const font = "system-ui, sans-serif";
+  return {
+    ground: colour("card"),
+    ink: colour("ink"),
+    line: colour("line"),
+    panel: colour("panel"),
+    font,
+  };
+}
+
+function optionsIn(select, rows, label) {
+  for (const row of rows) select.add(new Option(label(row), row.name));
+}
+
+function choices(explorer) {
+  const { x, y, quantity, subject } = elements;
+  for (const select of [x, y]) optionsIn(select, axesOf(content), (row) => row.words);
+  optionsIn(quantity, content.quantities, (row) => row.words);
+  const chosen = (key, other) => () => {
+    const { state } = explorer;
+    const value = elements[key].value;
+    const swap = other && value === state[other] ? { [other]: state[key] } : {};
+    explorer.change({ [key]: value, ...swap, ...(other ? { window: null } : {}) });
+    showChoices(explorer.state);
+  };
+  x.addEventListener("change", chosen("x", "y"));
+  y.addEventListener("change", chosen("y", "x"));
+  quantity.addEventListener("change", chosen("quantity"));
+  const subjects = content.subjects ?? [];
+  subject.closest("label").hidden = subjects.length === 0;
+  subjects.forEach(({ label }, i) => {
+    subject.add(new Option(label, String(i)));
+  });
+  subject.addEventListener("change", () => {
+    const one = subjects[Number(subject.value)];
+    if (!one) return;
+    const values = { ...explorer.state.values };
+    for (const [name, value] of Object.entries(one.values)) {
+      const row = content.parameter[name];
+      const checked = row && checkedValue(row, String(value));
+      if (checked !== undefined) values[name] = checked;
+    }
+    explorer.change({ values });
+  });
+}
+
+function showChoices(state) {
+  for (const key of ["x", "y", "quantity"]) elements[key].value = state[key];
+}
+
+function buttons(explorer, plot, map) {
+  const on = (id, act) => byId(id).addEventListener("click", act);
+  on("reset", () => {
+    explorer.change(startState(content));
+    showChoices(explorer.state);
+    tell("Everything is as it was at the start.");
+  });
+  on("link", async () => {
+    keepAddress(explorer.state);
+    try {
+      await navigator.clipboard.writeText(location.href);
+      tell("The link to this view is copied.");
+    } catch {
+      tell(`The link to this view: ${location.href}`);
+    }
+  });
+  on("figure", async () => {
+    const { quantity, scale } = map.drawn;
+    const words = [content.title, ...fixedWords(content, explorer.state)];
+    const picture = await pictureOf(plot.picture(), quantity, scale, words, look());
+    save("standfast-map.png", picture, "image/png");
+  });
+  on("numbers", () => {
+    const { shown } = map.drawn.sample;
+    if (!shown) tell("The map has no numbers now.");
+    else save("standfast-map.csv", csvOf(content, explorer.state, shown), "text/csv");
+  });
+  on("person", () => {
+    const { facts, fedBack } = explorer.found;
+    const text = personJson(content, explorer.state, facts, fedBack);
+    save("standfast-person.json", text, "application/json");
+  });
+}
+
+function keepAddress(state) {
+  const hash = hashOf(content, state);
+  history.replaceState(null, "", hash ? `#${hash}` : location.pathname + location.search);
+}
+
+function playerOf(moving) {
+  const still = matchMedia("(prefers-reduced-motion: reduce)");
+  const show = (playing) => {
+    moving.play(playing);
+    byId("play").textContent = playing ? "Pause" : "Play";
+    byId("play").setAttribute("aria-pressed", String(playing));
+  };
+  byId("play").addEventListener("click", () => show(!moving.playing));
+  byId("speed").addEventListener("change", (event) => {
+    moving.speed = Number(event.target.value);
+  });
+  byId("amplitude").addEventListener("input", (event) => {
+    moving.amplitude = Number(event.target.value);
+    event.target.setAttribute("aria-valuetext", `${Math.round(100 * moving.amplitude)} %`);
+    moving.draw();
+  });
+  still.addEventListener("change", () => show(!still.matches));
+  show(!still.matches);
+}
+
+function addressIn(explorer) {
+  const { state, ignored } = stateOf(content, location.hash);
+  explorer.change(state);
+  showChoices(state);
+  if (ignored.length) tell(`Of the address this was not understood: ${ignored.join(", ")}.`);
+}
+
+const elements = Object.fromEntries(
+  ["map", "bar", "computing", "word", "verdict", "said", "x", "y", "quantity", "subject"].map(
+    (id) => [id, byId(id)],
+  ),
+);
+elements.outside = byId("outside");
+elements.roots = byId("roots");
+
+async function open() {
+  const figures = JSON.parse(byId("figures").textContent);
+  const [plot, rootPlot] = await Promise.all([
+    Plot.of(figures.map, elements.map),
+    Plot.of(figures.roots, elements.roots),
+  ]);
+  const ask = content.served ? askWith(content.token) : null;
+  const whole = content.embedded ? await embeddedValues(content) : null;
+  let explorer = null;
+  const sources = { ask, whole, arrived: () => explorer.draw(), failed: tell };
+  const cells = content.atlas ? new Cells(content, sources) : null;
+  const planes = new Planes(content, formulas, { ...sources, cells });
+  const map = new StandingMap(plot);
+  const moving = new MovingPerson(byId("figure-of-person"));
+  const roots = new RootPlane(rootPlot);
+  const changed = (name, value) =>
+    explorer.change({ values: { ...explorer.state.values, [name]: value } });
+  const refused = (sentence) => {
+    tell(sentence);
+    explorer.draw();
+  };
+  const controls = controlsIn(byId("controls"), content, changed, refused);
+  const margins = marginsIn(byId("bars"), byId("margins"));
+  const parts = { map, moving, roots, margins, controls, planes, elements, look };
+  parts.rested = () => keepAddress(explorer.state);
+  explorer = new Explorer(content, formulas, parts, startState(content), ask, tell);
+  choices(explorer);
+  connectMap(explorer, plot, elements.map, {
+    nearer: byId("nearer"),
+    farther: byId("farther"),
+    whole: byId("whole"),
+  });
+  buttons(explorer, plot, map);
+  const recolour = () => {
+    seen = null;
+    for (const each of [plot, rootPlot]) each.paintAs(look());
+    explorer.draw();
+  };
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", recolour);
+  plot.onSize(() => {
+    map.resized();
+    elements.bar.dataset.width = String(globalThis.innerWidth);
+    explorer.draw();
+  });
+  globalThis.addEventListener("hashchange", () => addressIn(explorer));
+  globalThis.standfastTimes = explorer.times;
+  recolour();
+  addressIn(explorer);
+  playerOf(moving);
+  document.documentElement.dataset.ready = "yes";
+}
+
+open().catch((error) => {
+  tell(`The page could not be shown: ${error.message}`);
+  throw error;
+});

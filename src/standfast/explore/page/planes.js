@@ -1,0 +1,162 @@
+/** Values on the plane of the map, wherever they come from: one way to ask for all of them. */
+import { Newest } from "./asking.js";
+import { encoded } from "./content.js";
+import { nervesOf } from "./facts.js";
+import { fillPerson } from "./state.js";
+
+/** Points along a side of the map, at rest; fewer are taken while a slider moves and time is short. */
+export const SIDE = 401;
+const SIDES = [SIDE, 201, 101];
+const COARSE = 41; // of what the program computes while a slider moves
+const BUDGET = 12; // ms, for the values of one picture
+const STANDING_SIDE = 201;
+const LIMIT_SIDE = 101;
+
+const NEEDS_PROGRAM =
+  "Feedback of several joints needs the program (standfast explore); this map is of springs alone.";
+
+/**
+ * Planes of a content: `sample(state, window, resting)` gives what the map shows.
+ *
+ * A grid is {values, xs, ys}: values[iy * xs.length + ix], xs and ys in the units of the axes.
+ */
+export class Planes {
+  #content;
+  #formulas;
+  #cells;
+  #live;
+  #person;
+  #buffers = new Map();
+  #cost = new Map();
+
+  /**
+   * @param {object} cells where an atlas' planes are found (cells.js), or null
+   * @param {(path: string, body: object) => Promise<Response>} ask the program, or null
+   */
+  constructor(content, formulas, { cells, ask, arrived, failed }) {
+    this.#content = content;
+    this.#formulas = formulas;
+    this.#cells = cells;
+    this.#person = new Float64Array(formulas.slotCount);
+    this.#live =
+      ask && new Newest((question, signal) => askLive(ask, question, signal), arrived, failed);
+  }
+
+  /** How the values of a quantity are found: "springs", "oneJoint", "live", "cells", or "". */
+  way(state, name) {
+    if (this.#content.atlas) return "cells";
+    const { springs, oneJoint } = this.#formulas;
+    const nerves = nervesOf(state, [state.x, state.y]);
+    const fedBack = name === "stable" || !(name in springs);
+    if (name in springs && !(nerves.gained && fedBack)) return "springs";
+    if (nerves.gained && nerves.free.length === 1 && name in oneJoint) return "oneJoint";
+    if (this.#live) return "live";
+    return name in springs ? "springs" : "";
+  }
+
+  /**
+   * @param {number[]} window low and high of x and of y, in the units of the axes
+   * @param {(low: number, high: number, side: number, axis: string) => Float64Array} spread
+   *   points of an axis, in the middles of equal steps on the screen
+   * @returns {{shown: object|null, standing: object|null, limit: object|null, pending: boolean,
+   *   coarse: boolean, word: string}}
+   */
+  sample(state, window, spread, resting) {
+    const name = state.quantity;
+    const grid = (side) => ({
+      xs: spread(window[0], window[1], side, "x"),
+      ys: spread(window[2], window[3], side, "y"),
+    });
+    fillPerson(this.#content, this.#formulas.slots, state.values, this.#person);
+    const ways = { shown: this.way(state, name), standing: this.way(state, "stable") };
+    if (ways.shown === "cells") return this.#cells.sample(state, name);
+    if (ways.shown === "") {
+      const quantity = this.#content.quantity[name].words;
+      const word = nervesOf(state, [state.x, state.y]).gained
+        ? `The ${quantity} of several joints needs the program (standfast explore).`
+        : `The ${quantity} is of feedback: set a gain.`;
+      return { shown: null, standing: null, limit: null, pending: false, coarse: false, word };
+    }
+    const live = this.#askedLive(state, ways, grid, resting);
+    const found = (way, of, side) =>
+      way === "live" ? (live?.[of] ?? null) : this.#computed(state, way, of, grid(side));
+    const side = resting ? SIDE : this.#affordable(name);
+    const shown = found(ways.shown, name, side);
+    const standing =
+      name === "stable" ? shown : found(ways.standing, "stable", Math.min(side, STANDING_SIDE));
+    const bySprings = ways.standing === "springs";
+    const limit = bySprings
+      ? { ...this.#computed(state, "springs", "safety_factor", grid(LIMIT_SIDE)), level: 1 }
+      : standing && { ...standing, level: 0.5 };
+    const pending = live !== undefined && (live === null || live.stale);
+    const nerves = nervesOf(state, [state.x, state.y]);
+    const word = nerves.gained && bySprings ? NEEDS_PROGRAM : "";
+    return { shown, standing, limit, pending, coarse: side < SIDE || live?.coarse === true, word };
+  }
+
+  #affordable(name) {
+    const cost = this.#cost.get(name) ?? 0;
+    return SIDES.find((side) => cost * side * side <= BUDGET) ?? SIDES.at(-1);
+  }
+
+  #computed(state, way, name, { xs, ys }) {
+    const { slots } = this.#formulas;
+    const key = `${way} ${name} ${xs.length}`;
+    if (!this.#buffers.has(key)) this.#buffers.set(key, new Float64Array(xs.length * ys.length));
+    const values = this.#buffers.get(key);
+    const began = performance.now();
+    const formula = this.#formulas[way][name];
+    formula.plane(this.#person, slots[state.x], xs, slots[state.y], ys, values);
+    const each = (performance.now() - began) / values.length;
+    // the first planes run before the browser has compiled them
+    this.#cost.set(name, Math.min(each, this.#cost.get(name) ?? each));
+    return { values, xs, ys };
+  }
+
+  /** Want values of the program; undefined where none are needed, null where none are there yet. */
+  #askedLive(state, ways, grid, resting) {
+    const wanted = [];
+    if (ways.shown === "live") wanted.push(state.quantity);
+    if (ways.standing === "live" && !wanted.includes("stable")) wanted.push("stable");
+    if (wanted.length === 0) return undefined;
+    const parameters = Object.fromEntries(
+      Object.entries(state.values)
+        .filter(([name]) => name !== state.x && name !== state.y)
+        .map(([name, value]) => [name, encoded(value)]),
+    );
+    const ends = grid(2);
+    const place = JSON.stringify([wanted, state.x, ends.xs, state.y, ends.ys, parameters]);
+    // a coarse picture comes first, so that something is seen soon
+    const fine = resting && this.#live.answer?.place === place;
+    const { xs, ys } = grid(fine ? SIDE : COARSE);
+    const question = {
+      place,
+      body: {
+        quantities: wanted,
+        x: { name: state.x, values: Array.from(xs) },
+        y: { name: state.y, values: Array.from(ys) },
+        parameters,
+      },
+    };
+    const key = `${place} ${xs.length}`;
+    this.#live.want(key, question, fine);
+    const { answer } = this.#live;
+    if (!answer || answer.x !== state.x || answer.y !== state.y) return null;
+    const stale = this.#live.key !== key;
+    return { ...answer.grids, stale, coarse: !fine || stale };
+  }
+}
+
+async function askLive(ask, { place, body }, signal) {
+  const response = await ask("/live", body, signal);
+  const all = new Float64Array(await response.arrayBuffer());
+  const xs = Float64Array.from(body.x.values);
+  const ys = Float64Array.from(body.y.values);
+  const size = xs.length * ys.length;
+  const grids = Object.fromEntries(
+    body.quantities.map((name, i) => {
+      return [name, { values: all.subarray(i * size, (i + 1) * size), xs, ys }];
+    }),
+  );
+  return { place, x: body.x.name, y: body.y.name, grids };
+}

@@ -1,0 +1,108 @@
+/** The person in words and numbers; pure. */
+import { shortNumber, valueWords, withUnit } from "./content.js";
+import { JOINTS } from "./facts.js";
+
+/** The verdict in one or two sentences. */
+export function verdictWords(facts, fedBack, nerves) {
+  if (facts.modes.length === 0) return "Stands: every joint is rigid.";
+  if (fedBack && (nerves.gained || nerves.damped)) return fedBackWords(facts, fedBack, nerves);
+  const alone = nerves.gained ? " by springs alone" : "";
+  return `${facts.stands ? "Stands" : "Falls"}${alone}. ${movement(facts)}; ${multiple(facts)}.`;
+}
+
+function movement({ stands, modes }) {
+  const size = Math.sqrt(Math.abs(modes[0].eigenvalue));
+  return stands
+    ? `Its least stable movement sways at ${shortNumber(size / (2 * Math.PI), 3)} Hz`
+    : `The lean doubles in ${shortNumber(Math.LN2 / size, 3)} s`;
+}
+
+function multiple({ stands, factor }) {
+  if (stands) return `all stiffness could be divided by ${shortNumber(factor, 3)}`;
+  return factor > 0
+    ? `all stiffness must be multiplied by ${shortNumber(1 / factor, 3)}`
+    : "no multiple of this stiffness suffices";
+}
+
+function fedBackWords(facts, fedBack, nerves) {
+  const means = [nerves.damped ? "damping" : "", nerves.gained ? "feedback" : ""];
+  const by = means.filter(Boolean).join(" and ");
+  if (fedBack.stands === null) return `With ${by} the verdict is open within rounding.`;
+  const parts = [`${fedBack.stands ? "Stands" : "Falls"} with ${by}.`];
+  if (nerves.gained) parts.push(delayWords(fedBack));
+  const [re, im] = fedBack.rightmost_root ?? [Number.NaN, 0];
+  const time = shortNumber(Math.LN2 / Math.abs(re), 3);
+  if (re !== 0 && im > 0) {
+    const sway = `A sway at ${shortNumber(im / (2 * Math.PI), 3)} Hz`;
+    parts.push(re < 0 ? `${sway} halves in ${time} s.` : `${sway} grows, doubling in ${time} s.`);
+  } else if (re !== 0 && !Number.isNaN(re)) {
+    parts.push(`The lean ${re < 0 ? "halves" : "doubles"} in ${time} s.`);
+  }
+  if (facts.stands !== fedBack.stands) {
+    parts.push(`By springs alone it ${facts.stands ? "stands" : "falls"}.`);
+  }
+  return parts.filter(Boolean).join(" ");
+}
+
+function delayWords({ stands, critical_delay: critical, delay_margin: margin }) {
+  if (critical === null || critical === undefined || Number.isNaN(critical)) return "";
+  if (critical === 0) return stands ? "" : "Falls without any delay already.";
+  if (critical === Number.POSITIVE_INFINITY) return "No delay ends it.";
+  const later = stands && margin <= 0 ? " (a later window of standing)" : "";
+  return `Critical delay ${withUnit(critical, "s")}, margin ${withUnit(margin, "s", 3)}${later}.`;
+}
+
+/** What the map shows, for those who do not see it. */
+export function mapWords(content, state, verdict, pending) {
+  const name = (axis) => content.parameter[axis];
+  const at = [state.x, state.y].map((axis) => {
+    return `${name(axis).words} ${valueWords(name(axis), state.values[axis])}`;
+  });
+  const quantity = content.quantity[state.quantity];
+  const shown = `Map of ${quantity.words} over ${name(state.x).words} and ${name(state.y).words}`;
+  return `${shown}${pending ? ", being computed" : ""}. At ${at.join(", ")}: ${verdict}`;
+}
+
+/** Each joint's stiffness beside its threshold, for the bars. */
+export function jointRows(facts) {
+  return JOINTS.map((joint, i) => {
+    const [own, needed] = [facts.own[i], facts.thresholds[i]];
+    const has = own === Number.POSITIVE_INFINITY ? "rigid" : shortNumber(own);
+    const needs = Number.isFinite(needed)
+      ? `needs ${shortNumber(needed)}`
+      : "no stiffness suffices";
+    const soft = !(own > needed) && Number.isFinite(needed) ? " – too soft" : "";
+    return { joint, own, needed, holds: own > needed, words: `${has}, ${needs}${soft}` };
+  });
+}
+
+/** The table of margins: [name, number with unit], and for feedback what is known of it. */
+export function marginRows(facts, fedBack) {
+  const rows = [];
+  if (facts.modes.length > 0) {
+    const [{ eigenvalue, turns }] = facts.modes;
+    const size = Math.sqrt(Math.abs(eigenvalue));
+    const ratio = (i) => (turns[0] === 0 ? Number.POSITIVE_INFINITY : turns[i] / turns[0]);
+    rows.push(
+      ["Safety factor", withUnit(facts.factor, "1")],
+      ["Stiffness reserve", withUnit(facts.reserve, "N·m/rad")],
+      eigenvalue > 0
+        ? ["Frequency", withUnit(size / (2 * Math.PI), "Hz")]
+        : ["Growth rate of the fall", withUnit(size, "1/s")],
+      ["Hip per ankle rotation", withUnit(ratio(2), "1", 3)],
+      ["Knee per ankle rotation", withUnit(ratio(1), "1", 3)],
+    );
+  }
+  if (!fedBack) return rows;
+  const known = (value) => value !== null && value !== undefined && !Number.isNaN(value);
+  const add = (name, value, unit) => known(value) && rows.push([name, withUnit(value, unit)]);
+  add("Critical delay", fedBack.critical_delay, "s");
+  add("Delay margin", fedBack.delay_margin, "s");
+  add("Unstable roots", fedBack.unstable_roots, "1");
+  if (fedBack.rightmost_root) {
+    const [re, im] = fedBack.rightmost_root;
+    add("Decay rate", -re, "1/s");
+    if (im > 0) add("Sway frequency", im / (2 * Math.PI), "Hz");
+  }
+  return rows;
+}

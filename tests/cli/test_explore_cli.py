@@ -1,0 +1,195 @@
+"""``standfast explore`` as a user types it; the page itself is tested in tests/explore."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import types
+import webbrowser
+
+import pytest
+
+import standfast as sf
+from standfast.cli.app import main
+from standfast.explore.content import content_text
+from standfast.explore.server import listening
+from studies import GOOD, UNEQUAL
+
+
+@pytest.fixture
+def page(monkeypatch):
+    """A page that is what it is told, and nothing else."""
+    stand_in = types.ModuleType("standfast.explore.page")
+    stand_in.page_html = content_text
+    monkeypatch.setitem(sys.modules, "standfast.explore.page", stand_in)
+
+
+@pytest.fixture(scope="module")
+def atlas(tmp_path_factory):
+    path = tmp_path_factory.mktemp("explore") / "atlas.h5"
+    content = {
+        **GOOD,
+        "stiffness": UNEQUAL["stiffness"],
+        "output": {"quantities": ["stable", "frequency"]},
+    }
+    sf.sweep(content, path)
+    return path
+
+
+FEEDBACK = """
+gravity = 9.81
+[body]
+height = 1.75
+mass = 70
+[stiffness]
+ankle = 500
+knee = {knee}
+hip = {knee}
+[feedback]
+delay = 0.1
+[feedback.proportional]
+ankle = {{ start = 0, stop = 900, num = 10 }}
+"""
+
+
+def exported(path, *arguments):
+    assert main(["explore", *map(str, arguments), "--export", str(path)]) == 0
+    return json.loads(path.read_text())
+
+
+def starts(content):
+    return {row["name"]: row["start"] for row in content["parameters"]}
+
+
+def test_a_page_of_a_nominal_adult_is_written(page, tmp_path, capsys):
+    path = tmp_path / "page.html"
+    found = exported(path, "--person", "height=1.66,mass=68", "--person", "ankle=900,knee=rigid")
+    assert found["title"] == "Nominal adult"
+    start = starts(found)
+    assert (start["height"], start["mass"]) == (1.66, 68.0)
+    assert (start["ankle_stiffness"], start["knee_stiffness"]) == (900.0, "inf")
+    assert start["hip_stiffness"] == 500.0
+    assert f"Written: {path} (" in capsys.readouterr().out
+    assert [each.name for each in tmp_path.iterdir()] == ["page.html"]
+
+
+def test_an_atlas_is_embedded(page, tmp_path, atlas, capsys):
+    found = exported(tmp_path / "page.html", atlas, "-q", "frequency", "--mark", "hip=400,id=S1")
+    assert found["source"] == "embedded"
+    assert list(found["embedded"]["values"]) == ["frequency"]
+    assert found["subjects"] == [{"label": "S1", "values": {"hip_stiffness": 400.0}}]
+    assert "holds" not in capsys.readouterr().out
+
+
+def test_a_thinned_atlas_says_so(page, tmp_path, atlas, capsys, monkeypatch):
+    monkeypatch.setattr("standfast.explore.embedding.EMBEDDED_BYTES", 1500)
+    exported(tmp_path / "page.html", atlas)
+    assert "It holds " in (said := capsys.readouterr().out)
+    assert " of 3 values" in said
+
+
+@pytest.mark.parametrize(("knee", "several"), [("1500", True), ("inf", False)])
+def test_feedback_of_several_joints_is_said_not_to_be_exported(
+    page, tmp_path, capsys, knee, several
+):
+    study = tmp_path / "study.toml"
+    study.write_text(FEEDBACK.format(knee=knee))
+    exported(tmp_path / "page.html", study)
+    assert ("sweep the study and export the atlas" in capsys.readouterr().out) == several
+
+
+@pytest.mark.parametrize(("arguments", "words"), [
+    (["--person", "anle=900"], "'anle' is no parameter; did you mean 'ankle'"),
+    (["--person", "height"], "'height' is not NAME=VALUE"),
+    (["--person", "height=175"], "looks like centimetres"),
+    (["--person", "mass=rigid"], "'rigid' is not a number"),
+    (["--person", "model=winther"], "did you mean 'winter'"),
+    (["--person", "shank_mass=4"], "shank_mass is of measured segments"),
+    (["-q", "stabel"], "did you mean 'stable'"),
+    (["--mark", "nothere.csv"], "nothere.csv cannot be read"),
+    (["nothere.h5"], "there is no such file"),
+    (["nothere.toml"], "nothere.toml"),
+    (["--export", "page.pdf"], "end it in .html"),
+])  # fmt: skip
+def test_what_is_wrong_is_said_in_one_sentence(page, tmp_path, capsys, arguments, words):
+    path = tmp_path / "page.html"
+    assert main(["explore", "--export", str(path), *arguments]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert words in line
+    assert not path.exists()
+
+
+def test_a_population_is_said_to_be_one(page, tmp_path, capsys):
+    study = tmp_path / "people.toml"
+    study.write_text("[population]\npeople = 'us-adults'\n")
+    assert main(["explore", str(study)]) == 2
+    assert "study of a population" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("missing", ["bokeh", "tornado"])
+def test_without_the_extra_it_says_what_to_install(monkeypatch, capsys, missing):
+    monkeypatch.setitem(sys.modules, missing, None)
+    assert main(["explore", "--no-browser"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert f"explore needs {missing}: pip install 'standfast[explore]'" in line
+
+
+@pytest.mark.parametrize("port", ["0", "65536", "x", "-1"])
+def test_what_is_no_port_is_said(capsys, port):
+    with pytest.raises(SystemExit) as stopped:
+        main(["explore", f"--port={port}"])
+    assert stopped.value.code == 2
+    assert "is not a port; give 1 to 65535" in capsys.readouterr().err
+
+
+def test_a_busy_port_is_said(page, capsys):
+    taken = listening(0)
+    port = taken.getsockname()[1]
+    assert main(["explore", "--no-browser", "--port", str(port)]) == 2
+    assert f"--port {port} cannot be had" in capsys.readouterr().err
+    taken.close()
+
+
+def test_it_opens_the_browser_and_ctrl_c_ends_it_well(page, atlas, capsys, monkeypatch):
+    opened = []
+
+    def browser(address):
+        opened.append(address)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr(webbrowser, "open", browser)
+    assert main(["explore", str(atlas)]) == 0
+    (address,) = opened
+    assert address.startswith("http://127.0.0.1:")
+    first, second = capsys.readouterr().out.splitlines()
+    assert first == f"Open {address}"
+    assert second == "Ctrl-C ends it"
+
+
+def test_the_page_is_there_before_jax(tmp_path, atlas):
+    """What takes a second to import waits until it is asked for."""
+    program = (
+        "import sys, types\n"
+        "from standfast.explore.content import content_text\n"
+        "page = types.ModuleType('standfast.explore.page')\n"
+        "page.page_html = content_text\n"
+        "sys.modules['standfast.explore.page'] = page\n"
+        "from standfast.cli import explore\n"
+        "import standfast.explore.server as server\n"
+        "server.serve = lambda *_: print({'jax', 'matplotlib'} & set(sys.modules))\n"
+        "from standfast.cli.app import main\n"
+        "sys.exit(main(['explore', *sys.argv[1:]]))\n"
+    )
+    for source in ([], [str(atlas)]):
+        command = [sys.executable, "-c", program, *source, "--person", "hip=400"]
+        result = subprocess.run(command, capture_output=True, text=True, check=True)
+        assert result.stdout == "set()\n"
+
+
+def test_a_title_of_a_study_is_told(page, tmp_path):
+    study = tmp_path / "study.toml"
+    study.write_text(FEEDBACK.format(knee="1500").replace("gravity", "title = 'Mine'\ngravity", 1))
+    found = exported(tmp_path / "page.html", study)
+    assert found["title"] == "Mine"
+    assert GOOD["title"] != found["title"]

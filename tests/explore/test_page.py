@@ -1,0 +1,363 @@
+"""The page in a browser: it shows what the package computes, to everyone, without network."""
+
+import json
+import re
+from importlib.resources import files
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+
+from explore_content import STARTS, embedded_content, springs_content
+from standfast.anthropometry.body import REFERENCE_PEOPLE
+from standfast.explore import page as pages
+from standfast.quantities import QUANTITIES
+from standfast.quantities.row import Person
+
+SHOWN_DIGITS = 2e-3  # four digits are shown
+PAINTED = "new Promise(done => requestAnimationFrame(() => setTimeout(done, 60)))"
+
+
+@pytest.fixture(scope="module")
+def springs_file(tmp_path_factory):
+    return written(tmp_path_factory, springs_content())
+
+
+@pytest.fixture(scope="module")
+def atlas_file(tmp_path_factory):
+    return written(tmp_path_factory, embedded_content())
+
+
+def written(factory, content):
+    path = factory.mktemp("page") / "page.html"
+    path.write_text(pages.page_html(content), encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def opened(browser_page):
+    """Open a page at some state; it must be quiet and ask for nothing."""
+
+    def open_page(path, state="", *, still=True, dark=False, size=(1400, 900)):
+        page = browser_page.page
+        page.set_viewport_size({"width": size[0], "height": size[1]})
+        page.emulate_media(
+            color_scheme="dark" if dark else "light",
+            reduced_motion="reduce" if still else "no-preference",
+        )
+        page.goto(f"{path.as_uri()}{'#' if state else ''}{state}")
+        page.wait_for_selector("html[data-ready]", state="attached")
+        rest(page)
+        return page
+
+    yield open_page
+    assert browser_page.console_errors == []
+    assert {address.split(":")[0] for address in browser_page.requests} <= {"file", "data", "blob"}
+
+
+def rest(page):
+    """Wait until the page has drawn its state in full."""
+    page.wait_for_timeout(350)
+    page.evaluate(PAINTED)
+
+
+def slide(page, name, value):
+    slider = page.locator(f"#p-{name}")
+    slider.evaluate(
+        "(slider, value) => { slider.value = value; slider.dispatchEvent(new Event('input')); }",
+        value,
+    )
+
+
+def picture(page):
+    return page.locator("#map").screenshot()
+
+
+def adult(**changes):
+    given = {**STARTS, **changes}
+    return Person.of({**given, "body_model": REFERENCE_PEOPLE[given["body_model"]]})
+
+
+def expected(name, **changes):
+    row = QUANTITIES[name]
+    person = adult(**changes)
+    return float(row.pick(person, row.reference(person)))
+
+
+def table(page):
+    rows = page.locator("#margins tr").all_inner_texts()
+    pairs = (row.replace("−", "-").split("\t") for row in rows)
+    return {name.strip(): float(value.split()[0]) for name, value in pairs}
+
+
+def test_it_is_one_file_below_three_megabytes_and_asks_for_nothing(springs_file, opened):
+    assert springs_file.stat().st_size < 3e6
+    assert opened(springs_file).title() == "Standing of the nominal adult"
+
+
+def test_modules_are_put_in_order_and_their_names_differ():
+    modules = pages.scripts()
+    names = [
+        name
+        for text in modules.values()
+        for name in re.findall(
+            r"^(?:export )?(?:async )?(?:function|class|const|let) (\w+)", text, re.MULTILINE
+        )
+    ]
+    assert sorted(names) == sorted(set(names))
+    text = pages.script(modules)
+    assert not re.search(r"^(import|export) ", text, re.MULTILINE)
+    assert text.index("function contourLines") < text.index("class StandingMap")
+
+
+def test_a_circle_of_modules_is_named():
+    with pytest.raises(ValueError, match=r"main\.js imports a\.js imports main\.js"):
+        pages.script(
+            {
+                "main.js": 'import { a } from "./a.js";\n',
+                "a.js": 'import { b } from "./main.js";\n',
+            }
+        )
+
+
+def test_modules_are_small():
+    for file in (files("standfast.explore") / "page").iterdir():
+        if file.name.endswith(".js"):
+            assert len(file.read_text(encoding="utf-8").splitlines()) <= 250, file.name
+
+
+def test_texts_of_the_content_are_never_markup(tmp_path, opened):
+    nasty = "</script><script>throw 1</script><!--<b>{script}"
+    content = springs_content(title=nasty)
+    content["subjects"] = [{"label": nasty, "values": {"ankle_stiffness": 900}}]
+    path = tmp_path / "nasty.html"
+    path.write_text(pages.page_html(content), encoding="utf-8")
+    page = opened(path)
+    assert page.inner_text("h1") == nasty
+    assert page.locator("#subject option").all_inner_texts()[1] == nasty
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"ankle_stiffness": 600.0},
+        {"knee_stiffness": float("inf"), "ankle_stiffness": 900.0},
+        {"height": 1.5, "mass": 110.0, "gravity": 3.7, "body_model": "de-leva-female"},
+    ],
+)
+def test_numbers_on_the_page_are_those_of_the_package(springs_file, opened, changes):
+    state = "&".join(f"{name}={value}" for name, value in changes.items())
+    page = opened(springs_file, state)
+    shown = table(page)
+    assert shown["Safety factor"] == pytest.approx(
+        expected("safety_factor", **changes), rel=SHOWN_DIGITS
+    )
+    assert shown["Stiffness reserve"] == pytest.approx(
+        expected("stiffness_reserve", **changes), rel=SHOWN_DIGITS
+    )
+    stands = expected("stable", **changes) == 1.0
+    assert page.inner_text("#verdict").startswith("Stands." if stands else "Falls.")
+    needed = page.locator("#bars li").first.inner_text()
+    wanted = expected("critical_ankle_stiffness", **changes)
+    assert float(re.search(r"needs ([\d.]+)", needed)[1]) == pytest.approx(wanted, rel=SHOWN_DIGITS)
+
+
+@pytest.mark.parametrize(
+    "name", ["ankle_stiffness", "knee_stiffness", "hip_stiffness", "gravity", "height", "mass"]
+)
+def test_every_slider_moves_map_figure_and_numbers(springs_file, opened, name):
+    page = opened(springs_file)
+    before = picture(page), page.inner_html("#figure-of-person"), page.inner_text("#margins")
+    slide(page, name, 1.4 if name == "height" else 8.0 if name == "gravity" else 110.0)
+    rest(page)
+    after = picture(page), page.inner_html("#figure-of-person"), page.inner_text("#margins")
+    assert all(one != other for one, other in zip(before, after, strict=True))
+
+
+def test_the_state_is_in_the_address_and_comes_back(springs_file, opened):
+    page = opened(springs_file)
+    slide(page, "ankle_stiffness", 700)
+    page.select_option("#quantity", "frequency")
+    page.click("#nearer")
+    rest(page)
+    address, shown = page.evaluate("location.hash"), picture(page)
+    assert "ankle_stiffness=700" in address
+    assert "quantity=frequency" in address
+    assert "window=750,2250,750,2250" in address
+    again = opened(springs_file, address[1:])
+    assert again.evaluate("location.hash") == address
+    assert picture(again) == shown
+    again.click("#reset")
+    rest(again)
+    assert again.evaluate("location.hash") == ""
+
+
+@pytest.mark.parametrize(
+    "part", ["nonsense", "ankle_stiffness=many", "x=mass_of_moon", "window=3,2,1,0", "gravity=%E0"]
+)
+def test_a_malformed_part_of_an_address_is_left_out_and_named(springs_file, opened, part):
+    page = opened(springs_file, f"{part}&hip_stiffness=700")
+    assert part in page.inner_text("#status")
+    assert page.input_value("#n-hip_stiffness") == "700"
+
+
+def test_a_number_beyond_the_slider_is_taken_and_one_beyond_all_is_refused(springs_file, opened):
+    page = opened(springs_file)
+    page.fill("#n-ankle_stiffness", "50000")
+    page.press("#n-ankle_stiffness", "Enter")
+    rest(page)
+    assert "50000" in page.locator("#bars li").first.inner_text().replace(" ", "")
+    page.fill("#n-ankle_stiffness", "-1")
+    page.press("#n-ankle_stiffness", "Enter")
+    rest(page)
+    assert "Ankle stiffness cannot be -1" in page.inner_text("#status")
+    assert page.get_attribute("#n-ankle_stiffness", "aria-invalid") == "true"
+
+
+def test_the_keyboard_alone_suffices(springs_file, opened):
+    page = opened(springs_file)
+    page.focus("#map")
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("Shift+ArrowUp")
+    page.keyboard.press("+")
+    rest(page)
+    assert page.input_value("#n-ankle_stiffness") == "1415"
+    assert page.input_value("#n-hip_stiffness") == "750"
+    assert "window=" in page.evaluate("location.hash")
+    label = page.get_attribute("#map", "aria-label")
+    assert "ankle stiffness 1415 N·m/rad" in label
+    assert "Stands." in label
+    page.focus("#r-knee_stiffness")
+    page.keyboard.press("Space")
+    rest(page)
+    assert page.get_attribute("#p-knee_stiffness", "aria-valuetext") == "rigid"
+    assert page.locator(".figure .joint.rigid").count() == 1
+
+
+def test_everything_can_be_reached_by_tab(springs_file, opened):
+    page = opened(springs_file)
+    reached = set()
+    for _ in range(60):
+        page.keyboard.press("Tab")
+        reached.add(page.evaluate("document.activeElement.id"))
+    wanted = {"map", "x", "y", "quantity", "subject", "play", "speed", "amplitude", "figure"}
+    assert wanted | {"p-ankle_stiffness", "r-hip_stiffness", "reset", "link", "nearer"} <= reached
+
+
+def test_a_click_moves_the_person_and_a_subject_is_taken_whole(springs_file, opened):
+    page = opened(springs_file)
+    box = page.locator("#map").bounding_box()
+    page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.3 * box["height"])
+    rest(page)
+    assert 1400 < float(page.input_value("#n-ankle_stiffness")) < 2000
+    assert 1500 < float(page.input_value("#n-hip_stiffness")) < 2500
+    page.select_option("#subject", label="Anna")
+    rest(page)
+    assert page.input_value("#n-ankle_stiffness") == "700"
+    assert page.input_value("#n-hip_stiffness") == "350"
+
+
+def test_dragging_and_the_wheel_move_the_window(springs_file, opened):
+    page = opened(springs_file)
+    box = page.locator("#map").bounding_box()
+    x, y = box["x"] + 0.6 * box["width"], box["y"] + 0.4 * box["height"]
+    page.mouse.move(x, y)
+    page.mouse.wheel(0, -240)
+    rest(page)
+    wheeled = page.evaluate("location.hash")
+    page.mouse.down()
+    page.mouse.move(x - 60, y, steps=5)
+    page.mouse.up()
+    rest(page)
+    assert "window=" in wheeled
+    assert page.evaluate("location.hash") not in ("", wheeled)
+    page.click("#whole")
+    rest(page)
+    assert page.evaluate("location.hash") == ""
+
+
+def test_the_figure_moves_falls_and_stands_still_where_motion_is_unwanted(springs_file, opened):
+    page = opened(springs_file, "ankle_stiffness=500", still=False)
+    assert page.inner_text("#play") == "Pause"
+    first = page.inner_html("#figure-of-person")
+    page.wait_for_timeout(200)
+    assert page.inner_html("#figure-of-person") != first
+    assert "falls" in page.get_attribute("#figure-of-person", "class")
+    page.click("#play")
+    first = page.inner_html("#figure-of-person")
+    page.wait_for_timeout(200)
+    assert page.inner_html("#figure-of-person") == first
+    still = opened(springs_file, "ankle_stiffness=501")
+    assert still.inner_text("#play") == "Play"
+    assert still.locator(".ghost").count() == 2
+
+
+def test_what_is_taken_home(springs_file, opened):
+    page = opened(springs_file, "quantity=critical_hip_stiffness&knee_stiffness=inf")
+    with page.expect_download() as numbers:
+        page.click("#numbers")
+    lines = numbers.value.path().read_text(encoding="utf-8").splitlines()
+    assert "# knee_stiffness = rigid" in lines
+    assert "# gravity = 9.807 m/s²" in lines
+    heads = next(line for line in lines if not line.startswith("#"))
+    assert heads.startswith("ankle_stiffness (N·m/rad),hip_stiffness (N·m/rad),critical_hip_stiff")
+    at = lines.index(heads)
+    assert len(lines) - at - 1 == 401 * 401
+    ankle, hip, value = map(float, lines[at + 1 + 40_000].split(","))
+    given = {"ankle_stiffness": ankle, "hip_stiffness": hip, "knee_stiffness": float("inf")}
+    assert value == pytest.approx(expected("critical_hip_stiffness", **given), rel=1e-12)
+    with page.expect_download() as person:
+        page.click("#person")
+    found = json.loads(person.value.path().read_text(encoding="utf-8"))
+    assert found["given"]["knee_stiffness"] == "inf"
+    assert found["found"]["safety_factor"] == pytest.approx(
+        expected("safety_factor", knee_stiffness=float("inf")), rel=1e-12
+    )
+    with page.expect_download() as figure:
+        page.click("#figure")
+    assert figure.value.path().read_bytes().startswith(b"\x89PNG")
+
+
+def test_an_embedded_atlas_is_shown_and_its_sliders_snap(atlas_file, opened):
+    page = opened(atlas_file)
+    before = picture(page)
+    slide(page, "knee_stiffness", 0)
+    rest(page)
+    assert page.input_value("#n-knee_stiffness") == "600"
+    assert picture(page) != before
+    page.fill("#n-hip_stiffness", "530")
+    page.press("#n-hip_stiffness", "Enter")
+    assert page.input_value("#n-hip_stiffness") == "400"
+    assert "Height: 1.753 m (fixed)" in page.inner_text("#controls")
+    page.select_option("#y", "knee_stiffness")
+    rest(page)
+    with page.expect_download() as numbers:
+        page.click("#numbers")
+    lines = numbers.value.path().read_text(encoding="utf-8").splitlines()
+    kept = [line for line in lines if not line.startswith("#")][1:]
+    # the rigid knee is not on the map
+    assert len(kept) == 5 * 2
+    assert kept[-1] == "3000,1200,1.3333333333333333"
+
+
+def test_feedback_of_one_joint_is_live_and_of_several_needs_the_program(springs_file, opened):
+    gains = "ankle_proportional_gain=900&ankle_derivative_gain=250&feedback_delay=0.1"
+    rigid = "knee_stiffness=inf&hip_stiffness=inf&ankle_stiffness=400"
+    plane = "x=feedback_delay&y=ankle_proportional_gain"
+    page = opened(springs_file, f"{gains}&{rigid}&{plane}&quantity=critical_delay")
+    assert page.inner_text("#verdict").startswith("Stands with feedback.")
+    assert "Critical delay" in page.inner_text("#margins")
+    assert page.inner_text("#word") == ""
+    page.goto(f"{springs_file.as_uri()}#{gains}")
+    rest(page)
+    assert "needs the program" in page.inner_text("#word")
+
+
+@pytest.mark.parametrize("dark", [False, True])
+@pytest.mark.parametrize("size", [(1400, 900), (360, 800)])
+def test_no_barrier_is_found_by_axe(springs_file, opened, dark, size):
+    page = opened(springs_file, "ankle_stiffness=500", dark=dark, size=size)
+    page.evaluate("for (const box of document.querySelectorAll('details')) box.open = true")
+    found = Axe().run(page)
+    assert found.violations_count == 0, found.generate_report()
+    assert page.evaluate("document.documentElement.scrollWidth") <= size[0]

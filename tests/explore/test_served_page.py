@@ -1,0 +1,78 @@
+"""The page as the program serves it: planes of an atlas and feedback of several joints arrive."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+from playwright.sync_api import expect
+
+import standfast as sf
+
+ATLAS = {
+    "body": {"model": "edwards2007", "height": 1.753, "mass": 75.3},
+    "stiffness": {
+        "ankle": {"start": 200.0, "stop": 3000.0, "num": 29},
+        "knee": [800.0, 1500.0],
+        "hip": {"start": 100.0, "stop": 1600.0, "num": 16},
+    },
+    "output": {"quantities": ["safety_factor", "stable"]},
+}
+COMPILED = 60_000  # ms, until a plane of feedback that is compiled for the first time has come
+COMPILED_ROUNDING = 1e-13  # the atlas is computed by a compiled program
+GAINS = "knee_stiffness=inf&ankle_proportional_gain=900&ankle_derivative_gain=250"
+
+
+@pytest.fixture
+def served(tmp_path, browser_page):
+    """Open the page of ``standfast explore`` with some arguments; it must be quiet."""
+    running = []
+
+    def open_page(*arguments, state=""):
+        command = [sys.executable, "-m", "standfast", "explore", "--no-browser", *arguments]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        running.append(process)
+        address = re.search(r"http://\S+", process.stdout.readline())[0]
+        page = browser_page.page
+        page.emulate_media(reduced_motion="reduce")
+        page.goto(f"{address}#{state}")
+        page.wait_for_selector("html[data-ready]", state="attached")
+        page.wait_for_timeout(400)
+        return page
+
+    yield open_page
+    for process in running:
+        process.terminate()
+        process.wait(timeout=20)
+        process.stdout.close()
+    assert browser_page.console_errors == []
+    origins = {address.split("?")[0] for address in browser_page.requests}
+    assert all(re.match(r"(http://127\.0\.0\.1:|data:|blob:)", origin) for origin in origins)
+
+
+def test_planes_of_an_atlas_arrive_and_a_slider_changes_them(served, tmp_path):
+    sf.sweep(sf.Study.from_dict(ATLAS), tmp_path / "small.h5")
+    page = served(str(tmp_path / "small.h5"))
+    page.wait_for_selector("#computing", state="hidden")
+    before = page.locator("#map").screenshot()
+    page.focus("#p-knee_stiffness")
+    page.keyboard.press("Home")
+    page.wait_for_timeout(600)
+    assert page.locator("#map").screenshot() != before
+    with page.expect_download() as numbers:
+        page.click("#numbers")
+    lines = numbers.value.path().read_text(encoding="utf-8").splitlines()
+    assert "# knee_stiffness = 800 N·m/rad" in lines
+    ankle, hip, factor = map(float, lines[-1].split(","))
+    body = sf.Body.from_height_mass(1.753, 75.3, "edwards2007")
+    alone = float(sf.safety_factor(body, sf.Stiffness(ankle, 800.0, hip)))
+    assert factor == pytest.approx(alone, rel=COMPILED_ROUNDING)
+
+
+def test_feedback_of_two_joints_is_computed_by_the_program(served):
+    state = f"{GAINS}&feedback_delay=0.05&quantity=decay_rate"
+    page = served("--person", "ankle=700", state=state)
+    expect(page.locator("#verdict")).to_contain_text("with feedback", timeout=COMPILED)
+    page.wait_for_selector("#bar:not([hidden])", timeout=COMPILED)
+    assert "Decay rate" in page.inner_text("#margins")
+    assert page.inner_text("#word") == ""

@@ -6,7 +6,7 @@ import zlib
 import numpy as np
 
 from standfast.anthropometry.body import REFERENCE_PEOPLE
-from standfast.parameters import OWN_BODY, PARAMETERS, STIFFNESSES
+from standfast.parameters import NOISES, OWN_BODY, PARAMETERS, STIFFNESSES
 from standfast.quantities import QUANTITIES
 
 STARTS = {
@@ -75,6 +75,7 @@ def _quantity(row, axes=None) -> dict:
         "flags": list(row.flags),
         "limit": row.limit,
         "of_nerves": row.reference is None,
+        "of_noise": row.reference is None and any(map(row.depends_on, NOISES)),
         "axes": axes,
     }
 

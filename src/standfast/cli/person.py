@@ -31,11 +31,10 @@ FORMATS = (".png", ".svg", ".pdf")
 # Sections of parameters of which an option takes one by its key, as --damping ankle=10.
 KEYED = {
     "damping": "damping",
+    "noise": "noise",
     "feedback.proportional": "proportional",
     "feedback.derivative": "derivative",
 }
-# Verdicts, thresholds, margins and modes do not depend on it.
-NOISE = "noise"
 
 
 def add(commands: Any) -> None:
@@ -49,7 +48,7 @@ def add(commands: Any) -> None:
     words = "a study, whose fixed numbers are taken where no option gives another"
     parser.add_argument("start", nargs="?", metavar="STUDY.toml", help=words)
     for row in PARAMETERS.values():
-        if row.name not in OWN_BODY and row.section not in (*KEYED, NOISE):
+        if row.name not in OWN_BODY and row.section not in KEYED:
             metavar = "MODEL" if row.choices else "X"
             parser.add_argument(_option(row), metavar=metavar, help=_help(row))
     for part, names in SEGMENT_NUMBERS.items():
@@ -61,7 +60,7 @@ def add(commands: Any) -> None:
     for section, option in KEYED.items():
         rows = [row for row in PARAMETERS.values() if row.section == section]
         keys = ", ".join(row.key for row in rows[:3]) + (" and so on" if len(rows) > 3 else "")
-        kind = option if option == "damping" else f"{option} gain"
+        kind = f"{option} gain" if section.startswith("feedback") else option
         words = f"{kind} of {keys}, {rows[0].unit}; repeatable"
         metavar = "JOINT=X,…"
         parser.add_argument(f"--{option}", action="append", default=[], metavar=metavar, help=words)
@@ -105,7 +104,7 @@ def _given(options: argparse.Namespace) -> dict[str, Any]:
 
     content: dict[str, Any] = {}
     for row in PARAMETERS.values():
-        if row.name not in OWN_BODY and row.section not in (*KEYED, NOISE):
+        if row.name not in OWN_BODY and row.section not in KEYED:
             text = getattr(options, row.key)
             if text is not None:
                 _put(content, row.section, row.key, text if row.choices else _plain(text))
@@ -142,7 +141,7 @@ def _fill(content: dict[str, Any], path: Path) -> None:
         row = PARAMETERS[name]
         part = row.section.removeprefix("body.") if name in OWN_BODY else row.key
         of_body = row.section.partition(".")[0] == "body"
-        if row.section == NOISE or (of_body and (scaled or part in chosen)):
+        if of_body and (scaled or part in chosen):
             continue
         if not of_body and _has(content, row.section, row.key):
             continue

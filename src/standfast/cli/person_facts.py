@@ -4,8 +4,8 @@ import math
 from typing import Any
 
 from standfast.cli.person_text import fed_back
-from standfast.parameters import JOINTS
-from standfast.quantities.person_facts import facts_with_feedback, person_of
+from standfast.parameters import JOINTS, NOISES
+from standfast.quantities.person_facts import facts_of_sway, facts_with_feedback, person_of
 
 
 def facts_of(given: dict[str, Any]) -> dict[str, Any]:
@@ -44,6 +44,7 @@ def facts_of(given: dict[str, Any]) -> dict[str, Any]:
             for value, shape in finite
         ],
         **_with_feedback(given),
+        **({} if given.keys().isdisjoint(NOISES) else {"sway": facts_of_sway(person)}),
     }
 
 

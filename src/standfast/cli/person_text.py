@@ -9,6 +9,7 @@ from standfast.parameters import (
     DAMPINGS,
     GAINS,
     JOINTS,
+    NOISES,
     PARAMETERS,
     SEGMENT_NUMBERS,
     STIFFNESS_UNIT,
@@ -16,6 +17,17 @@ from standfast.parameters import (
 
 # People sway below 1 Hz; what is lost above this (Hz) is a stiff joint that rings.
 RINGING = 3.0
+
+# What is said of sway: words, printed unit, how many of it make one of SI.
+SWAY = {
+    "ankle_sway": ("SD of the ankle's rotation", "°", math.degrees(1.0)),
+    "knee_sway": ("SD of the knee's rotation", "°", math.degrees(1.0)),
+    "hip_sway": ("SD of the hip's rotation", "°", math.degrees(1.0)),
+    "com_sway": ("SD of the centre of mass", "mm", 1e3),
+    "cop_sway": ("SD of the centre of pressure", "mm", 1e3),
+    "cop_velocity": ("SD of its velocity", "mm/s", 1e3),
+    "cop_frequency": ("its mean frequency", "Hz", 1.0),
+}
 
 
 def print_person(given: dict[str, Any], facts: dict[str, Any]) -> None:
@@ -44,6 +56,8 @@ def print_person(given: dict[str, Any], facts: dict[str, Any]) -> None:
         print(f"  {number:<10}{motion(mode):24}{turns:>24}")
     if not facts["modes"]:
         print("  none: all three joints are rigid")
+    if "sway" in facts:
+        print(f"\n{_swaying(facts)}")
 
 
 def _in_words(given: dict[str, Any]) -> str:
@@ -57,7 +71,7 @@ def _in_words(given: dict[str, Any]) -> str:
     beside = [
         f"{name.replace('_', ' ')} {value:g} {PARAMETERS[name].unit}"
         for name, value in given.items()
-        if _is_of_nerves(name) or name in COUPLINGS
+        if _is_of_nerves(name) or name in (*COUPLINGS, *NOISES)
     ]
     return "; ".join([who, f"gravity {given['gravity']:g} m/s²", *beside])
 
@@ -153,6 +167,27 @@ def _root(facts: dict[str, Any]) -> str:
     elif real > 0.0:
         text += f": grows, doubles in {math.log(2.0) / real:.3g} s"
     return f"{text}."
+
+
+def _swaying(facts: dict[str, Any]) -> str:
+    """Say how much noise makes the person sway, as force plates and goniometers measure it."""
+    sway = facts["sway"]
+    if sway is None:
+        return "Nothing sways: no joint that turns has noise."
+    if math.inf in sway.values():
+        stands = facts.get("stands_with_feedback", facts["stands_by_springs"])
+        if stands is False:
+            return "Under noise it has no sway: it falls."
+        free = [joint for joint in JOINTS if math.isfinite(facts["stiffness"][joint])]
+        return f"Nothing damps it, and noise moves it ever more (--damping {'=…,'.join(free)}=…)."
+    lines = ["Under noise it sways, of the centre of pressure below 10 Hz:"]
+    for name, (words, unit, size) in SWAY.items():
+        rigid = math.isinf(facts["stiffness"].get(name.removesuffix("_sway"), 0.0))
+        value = "open" if sway[name] is None else f"{size * sway[name]:.4g}"
+        lines.append(f"  {words:30}{unit:6}{'rigid' if rigid else value:>10}")
+    if None in sway.values():
+        lines.append("  open: within rounding, or too near to falling to say")
+    return "\n".join(lines)
 
 
 def _number(stiffness: float) -> str:

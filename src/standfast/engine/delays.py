@@ -24,7 +24,7 @@ from standfast.stability.delay.persons import all_crossings, all_rightmost
 from standfast.stability.delay.problem import Apply, directly
 from standfast.stability.delay.table import Crossings
 from standfast.stability.exact import exact_threshold
-from standfast.stability.sway.persons import swaying_of, variance
+from standfast.stability.sway.persons import damped, swaying_of, variance
 from standfast.study.grid import Group, Tile
 from standfast.study.study import Study
 
@@ -125,16 +125,16 @@ class Delays:
         moved = _moved(self.others)(self.inputs.fixed, self.inputs.pieces(at))
         more = np.stack([np.asarray(entry).ravel() for entry in moved])
         persons = rigid.shape[1]
-        stands = table.stable_at(delays).astype(bool)
 
         def each(values: np.ndarray) -> np.ndarray:
             return np.repeat(values, delays.size, axis=-1)
 
+        of_each = each(numbers), each(rigid), np.tile(delays, persons)
+        settles = table.stable_at(delays).astype(bool).ravel() & damped(*of_each)
         swaying = swaying_of(
-            each(numbers), each(rigid), np.tile(delays, persons),
-            each(more[:3]), each(more[3:6]), each(more[6]),
+            *of_each, each(more[:3]), each(more[3:6]), each(more[6]),
         )  # fmt: skip
-        found, sure = variance(row, swaying, stands.ravel(), accuracy=OF_GRIDS, apply=self.apply)
+        found, sure = variance(row, swaying, settles, accuracy=OF_GRIDS, apply=self.apply)
         self._count(int((~sure).sum()))
         return found.reshape(persons, -1)
 

@@ -14,7 +14,7 @@ import numpy as np
 from standfast.anthropometry.body import REFERENCE_PEOPLE
 from standfast.errors import InputError, nearest_name, shortened
 from standfast.explore.sliders import span_of
-from standfast.parameters import OWN_BODY, PARAMETERS, Parameter
+from standfast.parameters import NOISES, OWN_BODY, PARAMETERS, Parameter
 from standfast.quantities import QUANTITIES
 from standfast.study.study import Study
 from standfast.thresholds.planes import PLANE_AXES, axes_of_plane
@@ -35,7 +35,7 @@ NOMINAL: Mapping[str, Any] = {
 NOMINAL_START: Mapping[str, float | str] = {"ankle_stiffness": 1200.0, "hip_stiffness": 500.0}
 
 OWN = "own"  # who is measured segment by segment, among the models of a body
-NERVES = ("damping", "feedback")
+NERVES = ("damping", "feedback", "noise")
 SYMBOLS = {
     r"\Delta": "Δ",
     r"\lambda": "λ",
@@ -213,6 +213,7 @@ def _quantity(study: Study, name: str, *, live: bool) -> dict[str, Any]:
         "flags": list(row.flags),
         "limit": row.limit,
         "of_nerves": row.reference is None,
+        "of_noise": row.reference is None and any(map(row.depends_on, NOISES)),
         "axes": None if live else list(study.axes_of(name)),
     }
 

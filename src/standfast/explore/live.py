@@ -1,4 +1,4 @@
-"""What the page asks the program to compute: planes with feedback, and facts of one person.
+"""What the page asks the program to compute: planes with feedback or noise, and one person's facts.
 
 Whatever is asked goes through the border of a study first.
 """
@@ -12,7 +12,7 @@ from standfast.atlas.memory import arrays_of
 from standfast.errors import InputError, nearest_name, shortened
 from standfast.mechanics.feedback import delay_of, equation_of
 from standfast.parameters import JOINTS, OWN_BODY, PARAMETERS
-from standfast.quantities.person_facts import facts_with_feedback, person_of
+from standfast.quantities.person_facts import facts_of_sway, facts_with_feedback, person_of
 from standfast.stability.delay.spectrum import roots_from_the_right, shape_at
 from standfast.study.canonical import Value, from_json
 from standfast.study.study import Study
@@ -57,13 +57,14 @@ class Live:
         return found
 
     def person(self, parameters: Any) -> dict[str, Any]:
-        """Return verdict, delays, roots and shape of one person with damping and feedback.
+        """Return verdict, delays, roots, shape and sway of one person with damping and feedback.
 
         Returns
         -------
         dict of what :func:`.facts_with_feedback` finds, and ``roots`` (from the right, imaginary
         part ≥ 0) and ``shape`` (rotations of ankle, knee, hip at the rightmost root, those of rigid
-        joints 0; None if it is not proven), numbers as real and imaginary part.
+        joints 0; None if it is not proven), numbers as real and imaginary part; and ``sway``, what
+        :func:`.facts_of_sway` finds.
 
         Raises
         ------
@@ -85,7 +86,7 @@ class Live:
             whole[free] = shape_at(numbers, delay, first)
             shape = _parts(whole)
         roots = roots_from_the_right(numbers, delay, rightmost=first)
-        return facts | {"roots": _parts(roots), "shape": shape}
+        return facts | {"roots": _parts(roots), "shape": shape, "sway": facts_of_sway(person)}
 
     def _study(self, asked: Mapping[str, Any]) -> tuple[Study, str, str]:
         """Check what is asked; return it as a study whose first axis is y, and names of x and y."""

@@ -26,6 +26,7 @@ SPANS = {
     "stiffness": (-300.0, 300.0),  # that couple joints
     "feedback.proportional": (-500.0, 1500.0),
     "feedback.derivative": (-150.0, 450.0),
+    "noise": (0.0, 5.0),
 }
 STEPS = 200  # of a slider from end to end, about
 SIZES = ("mass", "bmi")  # a body has one of them

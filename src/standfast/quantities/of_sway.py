@@ -11,7 +11,8 @@ def _of_joint(place: int, joint: str) -> Quantity:
         f"{joint}_sway",
         rf"\mathrm{{SD}}(\theta_{joint[0]})",
         "rad",
-        f"standard deviation of the {joint} rotation under noise, inf where the person falls",
+        f"standard deviation of the {joint} rotation under noise, inf where the person falls "
+        "or nothing damps it",
         None,
         fed_back=answers.deviation(PAIRS.index((place, place))),
     )

@@ -223,3 +223,17 @@ def test_who_falls_has_no_spectrum():
     of, more = person(stiffness=sf.Stiffness(100.0, math.inf, 700.0), feedback=None)
     with pytest.raises(sf.InputError, match="falls"):
         sf.sway_spectrum(*of, **more, frequency=1.0)
+
+
+@pytest.mark.parametrize(("damping", "feedback", "finite"), [
+    (None, None, False),
+    ((0, 5, 0), None, True),
+    (None, sf.Feedback((300, 0, 0), (0, 0, 0), 0.0), False),
+    (None, sf.Feedback((-100, 0, 0), (0, 0, 0), 0.02), True),
+])  # fmt: skip
+def test_what_nothing_damps_sways_without_bounds(damping, feedback, finite):
+    body = sf.Body.from_height_mass(1.753, 75.3, "edwards2007")
+    person = body, sf.Stiffness(1500.0, 2000.0, math.inf)
+    found = sf.sway_covariance(*person, damping=damping, feedback=feedback)
+    assert np.isfinite(found[:2, :2]).all() == finite
+    assert not found[2].any()

@@ -3,6 +3,7 @@
 notation: Σ covariance, S spectral density, τ delay, B damping, G gravity part of C, m g weight.
 """
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ from standfast.parameters import JOINTS, PARAMETERS, STANDARD_GRAVITY, checked_n
 from standfast.stability.feedback import is_stable
 from standfast.stability.sway.density import COM, COP, PAIRS, Swaying, densities
 from standfast.stability.sway.integral import integral
-from standfast.stability.sway.persons import swaying_of
+from standfast.stability.sway.persons import damped, swaying_of, variance
 
 WRITE = "of feedback write feedback=Feedback(proportional=…, derivative=…, delay=…)"
 EXACT = 1e-10  # relative, of what is asked of one person
@@ -69,7 +70,8 @@ def sway_covariance(
 
     Returns
     -------
-    (3, 3), rad², rows ankle, knee, hip; 0 of a rigid joint, ``inf`` where the person falls.
+    (3, 3), rad², rows ankle, knee, hip; 0 of a rigid joint, ``inf`` where the person falls, or
+    nothing damps it.
 
     Raises
     ------
@@ -78,8 +80,8 @@ def sway_covariance(
     ArithmeticError
         if rounding leaves open whether the person stands, or how much.
     """
-    swaying, stands = _swaying(body, stiffness, gravity, damping, feedback, noise)
-    if not stands:
+    swaying, stands, ends = _swaying(body, stiffness, gravity, damping, feedback, noise)
+    if not (stands and ends):
         free = np.isfinite(np.array(stiffness.joints, float))
         return np.where(free[:, None] & free, np.inf, 0.0)
     found = np.zeros((3, 3))
@@ -94,6 +96,26 @@ def sway_covariance(
             raise ArithmeticError("the person is too near to falling to say how much it sways")
         found[i, j] = found[j, i] = value[0]
     return found
+
+
+def sway_integrals(
+    body: Body,
+    stiffness: Stiffness,
+    gravity: Scalar,
+    *,
+    damping: Any,
+    feedback: Feedback,
+    noise: Any,
+    rows: Sequence[int],
+) -> list[float | None]:
+    """Return (1/2π) ∫ of rows of densities; arguments and errors as of :func:`sway_covariance`.
+
+    What the person sways too near to falling to say is None.
+    """
+    swaying, stands, ends = _swaying(body, stiffness, gravity, damping, feedback, noise)
+    settles = np.array([stands and ends])
+    found = (variance(row, swaying, settles, accuracy=EXACT) for row in rows)
+    return [float(value[0]) if sure[0] else None for value, sure in found]
 
 
 @says_its_arguments(WRITE)
@@ -129,7 +151,7 @@ def sway_spectrum(
     hertz = np.atleast_1d(np.asarray(frequency, float))
     if hertz.ndim != 1 or not hertz.size or not (np.isfinite(hertz) & (hertz >= 0.0)).all():
         raise InputError(f"frequency = {shortened(frequency)} is not one or more numbers of Hz")
-    swaying, stands = _swaying(body, stiffness, gravity, damping, feedback, noise)
+    swaying, stands, _ = _swaying(body, stiffness, gravity, damping, feedback, noise)
     if not stands:
         raise InputError("the person falls, and so has no spectrum of sway")
     omega = TURN * hertz
@@ -145,8 +167,8 @@ def _swaying(
     damping: Any,
     feedback: Feedback | None,
     noise: Any,
-) -> tuple[Swaying, bool]:
-    """Check what a public function is given; return the person, and whether it stands."""
+) -> tuple[Swaying, bool, bool]:
+    """Check what a public function is given; return the person, if it stands, and if damped."""
     checked_person(body, stiffness, gravity)
     fed_back = checked_feedback(feedback)
     stands = is_stable(body, stiffness, gravity, damping=damping, feedback=fed_back)
@@ -160,15 +182,17 @@ def _swaying(
     numbers = np.array([np.asarray(part, np.float64) for part in parts])[..., None]
     loads = np.array(joint_gravity(body, gravity)[0], float)
     weight = np.array([float(np.sum(body.segment_mass)) * float(gravity)])
+    rigid = np.isinf(np.array(stiffness.joints, np.float64))[:, None]
+    delay = np.array([float(fed_back.delay)])
     swaying = swaying_of(
         numbers,
-        np.isinf(np.array(stiffness.joints, np.float64))[:, None],
-        np.array([float(fed_back.delay)]),
+        rigid,
+        delay,
         np.array(_checked_noise(noise))[:, None],
         loads[:, None],
         weight,
     )
-    return swaying, stands
+    return swaying, stands, bool(damped(numbers, rigid, delay)[0])
 
 
 def _checked_noise(noise: Any) -> list[float]:

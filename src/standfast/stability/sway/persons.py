@@ -67,21 +67,34 @@ def _lever(inertia: np.ndarray, rigid: np.ndarray) -> Array:
     return np.where(rigid[0], held, own)
 
 
+def damped(numbers: np.ndarray, rigid: np.ndarray, delay: np.ndarray) -> np.ndarray:
+    """Return who has any damping, or gains that are late or sense the rate, (persons,).
+
+    Motion of others never dies out, and noise moves them ever more. Arguments are those of
+    :func:`swaying_of`.
+    """
+    free = ~(rigid[:, None] | rigid[None, :])
+    _, b, _, p, d = np.where(free, numbers, 0.0) != 0.0
+    found: np.ndarray = (b | d | (p & (delay > 0.0))).any(axis=(0, 1))
+    return found
+
+
 def variance(
     row: int,
     swaying: Swaying,
-    stands: np.ndarray,
+    settles: np.ndarray,
     *,
     accuracy: float = ACCURACY,
     apply: Apply = directly,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the integral of a row of densities, and whether it is that accurate.
 
-    It is infinite of who falls, if noise moves anything of them.
+    It is infinite of whom motion does not ``settle``, because they fall or are not :func:`damped`,
+    if noise moves anything of them.
     """
     moved = (swaying.noise > 0.0).any(axis=0)
-    found, sure = np.where(moved, np.inf, 0.0), np.ones(stands.size, bool)
-    who = np.flatnonzero(moved & stands)
+    found, sure = np.where(moved, np.inf, 0.0), np.ones(settles.size, bool)
+    who = np.flatnonzero(moved & settles)
     if who.size:
         some = Swaying(*(each.take(who, axis=-1) for each in swaying))
         found[who], sure[who] = integral(row, some, accuracy=accuracy, apply=apply)

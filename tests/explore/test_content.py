@@ -104,6 +104,22 @@ def test_an_atlas_has_its_axes_and_nothing_else():
     assert not found["has_nerves"]
 
 
+def test_noise_is_of_nerves_and_its_quantities_are_told_apart():
+    found = told(NOMINAL, NOMINAL_START)
+    sways = {row["name"] for row in found["quantities"] if row["of_noise"]}
+    assert sways == {
+        "ankle_sway", "knee_sway", "hip_sway", "com_sway", "cop_sway", "cop_velocity",
+        "cop_frequency",
+    }  # fmt: skip
+    assert [row["words"] for row in found["quantities"]][-3:] == [
+        "CoP sway", "CoP velocity", "CoP frequency",
+    ]  # fmt: skip
+    content = {**UNEQUAL, "noise": {"ankle": [1.0, 2.0]}, "output": {"quantities": ["ankle_sway"]}}
+    noisy = told(content, atlas=True)
+    assert noisy["has_nerves"]
+    assert rows(noisy)["ankle_noise"]["stops"] == [1.0, 2.0]
+
+
 def test_an_embedded_atlas_carries_its_values():
     study = sf.Study.from_dict(UNEQUAL)
     found = told(UNEQUAL, atlas=True, embedded={"stable": "eJw="})

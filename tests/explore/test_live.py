@@ -106,6 +106,29 @@ def test_a_person_is_as_the_public_functions_say(live):
     assert complex(*found["roots"][0]) == pytest.approx(root, rel=SAME)
 
 
+def test_a_person_sways_as_the_public_function_says(live):
+    assert live.person(ADULT)["sway"] is None
+    ankle_alone = {"hip_proportional_gain": 0.0, "hip_derivative_gain": 0.0}
+    damped = {"ankle_damping": 30.0, "knee_damping": 20.0, "hip_damping": 20.0}
+    noise = {"ankle_noise": 1.0, "hip_noise": 0.4}
+    noisy = {**ADULT, **ankle_alone, **damped, **noise, "ankle_derivative_gain": 100.0}
+    body, stiffness, damping, late = of_public_functions(noisy)
+    covariance = sf.sway_covariance(
+        body, stiffness, damping=damping, feedback=late, noise=(1.0, 0.0, 0.4)
+    )
+    sway = live.person(noisy)["sway"]
+    np.testing.assert_array_equal(sway["covariance"], covariance)
+    assert np.isfinite(covariance).all()
+    x, y = ("ankle_stiffness", [10.0, 600.0]), ("hip_stiffness", [400.0, 450.0, 500.0])
+    names = [name for name in sway if name != "covariance"]
+    others = {name: value for name, value in noisy.items() if name not in (x[0], y[0])}
+    planes = live.planes({**asked(names, x, y), "parameters": others}, nothing)
+    for name, plane in zip(names, planes, strict=True):
+        assert plane.shape == (3, 2)
+        assert plane[0, 1] == pytest.approx(sway[name], rel=1e-6), name  # accuracy of grids
+        assert np.isnan(plane[0, 0]) if name == "cop_frequency" else np.isinf(plane[0, 0])
+
+
 def test_the_shape_solves_the_equation_of_motion(live):
     found = live.person(ADULT)
     body, stiffness, damping, late = of_public_functions(ADULT)

@@ -353,6 +353,21 @@ def test_feedback_of_one_joint_is_live_and_of_several_needs_the_program(springs_
     assert "needs the program" in page.inner_text("#word")
 
 
+def test_sway_is_hidden_without_noise_and_an_exported_page_says_what_it_needs(springs_file, opened):
+    page = opened(springs_file)
+    assert not page.is_visible("#sway-box")
+    page = opened(springs_file, "ankle_noise=1&quantity=cop_sway")
+    assert "Nothing damps the person" in page.inner_text("#sway-words")
+    assert "has no bounds" in page.inner_text("#word")
+    page = opened(springs_file, "ankle_noise=1&ankle_damping=10&quantity=cop_sway")
+    needs = "needs the program (standfast explore)."
+    assert page.inner_text("#sway-words") == f"Sway {needs}"
+    assert page.inner_text("#word") == f"The CoP sway {needs}"
+    page = opened(springs_file, "hip_noise=1&hip_stiffness=inf&y=knee_stiffness&quantity=cop_sway")
+    assert not page.is_visible("#sway-box")
+    assert page.inner_text("#word") == "The CoP sway is of noise: set a noise of the torques."
+
+
 @pytest.mark.parametrize("dark", [False, True])
 @pytest.mark.parametrize("size", [(1400, 900), (360, 800)])
 def test_no_barrier_is_found_by_axe(springs_file, opened, dark, size):

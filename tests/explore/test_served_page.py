@@ -1,10 +1,12 @@
 """The page as the program serves it: planes of an atlas and feedback of several joints arrive."""
 
+import math
 import re
 import subprocess
 import sys
 
 import pytest
+from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import expect
 
 import standfast as sf
@@ -76,3 +78,35 @@ def test_feedback_of_two_joints_is_computed_by_the_program(served):
     page.wait_for_selector("#bar:not([hidden])", timeout=COMPILED)
     assert "Decay rate" in page.inner_text("#margins")
     assert page.inner_text("#word") == ""
+
+
+def test_sway_is_shown_in_the_units_of_the_field(served):
+    state = "ankle_noise=1&hip_noise=0.3&knee_stiffness=inf&ankle_damping=30&hip_damping=10"
+    page = served(state=state)
+    cells = page.locator("#sway td")
+    expect(cells).to_have_count(6, timeout=COMPILED)
+    body = sf.Body.from_height_mass(1.753, 75.3, "edwards2007")
+    covariance = sf.sway_covariance(
+        body, sf.Stiffness(1200, math.inf, 500), damping=(30, 0, 10), noise=(1.0, 0.0, 0.3)
+    )
+    ankle, _, hip = (math.degrees(math.sqrt(covariance[i, i])) for i in range(3))
+    shown = cells.all_inner_texts()
+    assert [text.split()[1] for text in shown] == ["°", "°", "mm", "mm", "mm/s", "Hz"]
+    assert [float(text.split()[0]) for text in shown[:2]] == pytest.approx([ankle, hip], rel=5e-3)
+    points = page.get_attribute("#sway-picture polygon.sway", "points").split()
+    sides = [[float(point.split(",")[side]) for point in points] for side in (0, 1)]
+    across, up = (max(side) - min(side) for side in sides)
+    assert up / across == pytest.approx(hip / ankle, rel=5e-3)  # a degree is as long both ways
+    within = math.sqrt(5.991)  # chi-squared of two, 95 %
+    words = page.get_attribute("#sway-picture", "aria-label")
+    found = [float(number) for number in re.findall(r"±([\d.]+)°", words)]
+    assert found == pytest.approx([within * ankle, within * hip], rel=5e-3)
+    found = Axe().run(page)
+    assert found.violations_count == 0, found.generate_report()
+    page.uncheck("#r-knee_stiffness")
+    page.check("#r-hip_stiffness")
+    page.check("#r-knee_stiffness")
+    expect(page.locator("#sway-picture .bell")).to_have_count(1, timeout=COMPILED)
+    page.fill("#n-ankle_stiffness", "100")
+    page.press("#n-ankle_stiffness", "Enter")
+    expect(page.locator("#sway-words")).to_have_text("The person falls, and so has no sway.")

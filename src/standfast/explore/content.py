@@ -37,6 +37,7 @@ NOMINAL_START: Mapping[str, float | str] = {"ankle_stiffness": 1200.0, "hip_stif
 OWN = "own"  # who is measured segment by segment, among the models of a body
 NERVES = ("damping", "feedback", "noise")
 SYMBOLS = {
+    r"\bar f": "f̄",
     r"\Delta": "Δ",
     r"\lambda": "λ",
     r"\sigma": "σ",

@@ -91,7 +91,7 @@ class Quantity:
     @property
     def words(self) -> str:
         """What it is called."""
-        return self.name.replace("_", " ")
+        return " ".join(CENTRES.get(word, word) for word in self.name.split("_"))
 
     @property
     def at_point(self) -> Callable[[Person], Any]:
@@ -118,6 +118,8 @@ class Quantity:
         return not {parameter, section, section.partition(".")[0]} & set(without)
 
 
+# How centres of mass and pressure are written.
+CENTRES = {"com": "CoM", "cop": "CoP"}
 # The section of parameters that make a person sway, and what is not of springs and gravity.
 NOISE = "noise"
 NERVES = ("damping", "feedback", NOISE)

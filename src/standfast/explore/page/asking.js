@@ -81,11 +81,14 @@ export class Newest {
   }
 }
 
-/** Read the facts of a person with feedback: infinite numbers are words in JSON. */
+/** Read the facts of a person with feedback and noise: infinite numbers are words in JSON. */
 export async function factsFrom(response) {
   const facts = await response.json();
   for (const key of ["critical_delay", "delay_margin", "critical_frequency", "unstable_roots"]) {
     if (key in facts) facts[key] = decoded(facts[key]);
+  }
+  for (const [key, value] of Object.entries(facts.sway ?? {})) {
+    facts.sway[key] = key === "covariance" ? value.map((row) => row.map(decoded)) : decoded(value);
   }
   return facts;
 }

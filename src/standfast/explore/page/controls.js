@@ -11,10 +11,14 @@ export function groupOf(row) {
   if (row.section === "stiffness") return "Coupling";
   if (row.section.startsWith("damping")) return "Damping";
   if (row.section.startsWith("feedback")) return CROSS.test(row.name) ? "Cross gains" : "Feedback";
+  if (row.section === "noise") return "Noise of the torques";
   return "Body";
 }
 
-const GROUPS = ["Stiffness", "Body", "Damping", "Feedback", "Cross gains", "Coupling"];
+const GROUPS = [
+  ...["Stiffness", "Body", "Damping", "Feedback", "Cross gains"],
+  ...["Noise of the torques", "Coupling"],
+];
 const OPEN = new Set(["Stiffness", "Body"]);
 
 /**

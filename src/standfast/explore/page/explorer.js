@@ -20,6 +20,7 @@ export class Explorer {
   #parts;
   #person;
   #fedBack;
+  #key = "";
   #requested = 0;
   #timer = 0;
   #inputAt = 0;
@@ -34,7 +35,7 @@ export class Explorer {
   times = [];
   state;
 
-  /** @param {object} parts map, moving, roots, margins, controls, planes, elements, look, rested */
+  /** @param {object} parts map, moving, roots, margins, sway, controls, planes, elements, look, rested */
   constructor(content, formulas, parts, state, ask, failed) {
     this.#content = content;
     this.#formulas = formulas;
@@ -107,12 +108,19 @@ export class Explorer {
     if (resting || this.#pictures % 3 === 0) roots.show(inPlane);
     this.#write(elements.outside, roots.beyond(inPlane));
     margins(facts, fedBack);
+    this.#showSway(nerves);
     this.#said = verdictWords(facts, fedBack, nerves);
     this.#write(elements.verdict, this.#said);
     const stands = fedBack && nerves.gained ? fedBack.stands : facts.stands;
     elements.verdict.classList.toggle("falls", !stands);
     elements.verdict.classList.toggle("stale", fedBack?.stale === true);
     this.#rootWords = rootWords(inPlane);
+  }
+
+  #showSway(nerves) {
+    const asked = this.#fedBack;
+    const served = asked !== null;
+    this.#parts.sway(nerves, asked?.answer, served, served && asked.key !== this.#key);
   }
 
   #fedBackOf(person, nerves) {
@@ -122,10 +130,10 @@ export class Explorer {
     const parameters = Object.fromEntries(
       Object.entries(this.state.values).map(([name, value]) => [name, encoded(value)]),
     );
-    const key = JSON.stringify(parameters);
-    this.#fedBack.want(key, { parameters });
+    this.#key = JSON.stringify(parameters);
+    this.#fedBack.want(this.#key, { parameters });
     const { answer } = this.#fedBack;
-    if (this.#fedBack.key === key) return answer ?? one;
+    if (this.#fedBack.key === this.#key) return answer ?? one;
     return one ?? (answer && { ...answer, stale: true });
   }
 

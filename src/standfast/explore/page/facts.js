@@ -7,17 +7,22 @@ export function isGain(name) {
   return name.endsWith("_gain");
 }
 
-/** What nerves do in a state: any gain, any damping, and the joints that are free to turn. */
+/**
+ * What nerves do in a state: any gain, any damping, noise of a joint that turns, and the joints that
+ * are free to.
+ */
 export function nervesOf(state, axes = []) {
   const names = Object.keys(state.values);
-  const active = (name) => axes.includes(name) || state.values[name] !== 0;
+  const active = (name) => axes.includes(name) || (state.values[name] ?? 0) !== 0;
+  const free = JOINTS.filter((joint) => {
+    const name = `${joint}_stiffness`;
+    return axes.includes(name) || state.values[name] !== Number.POSITIVE_INFINITY;
+  });
   return {
     gained: names.some((name) => isGain(name) && active(name)),
     damped: names.some((name) => name.endsWith("_damping") && active(name)),
-    free: JOINTS.filter((joint) => {
-      const name = `${joint}_stiffness`;
-      return axes.includes(name) || state.values[name] !== Number.POSITIVE_INFINITY;
-    }),
+    noisy: free.some((joint) => active(`${joint}_noise`)),
+    free,
   };
 }
 

@@ -14,6 +14,7 @@ import { Planes } from "./planes.js";
 import { Plot } from "./plot.js";
 import { RootPlane } from "./roots.js";
 import { checkedValue, hashOf, startState, stateOf } from "./state.js";
+import { swayIn } from "./swaying.js";
 
 const formulas = { bodyAt, modesAt, oneJoint, slotCount, slots, springs };
 const byId = (id) => document.getElementById(id);
@@ -181,7 +182,13 @@ async function open() {
   };
   const controls = controlsIn(byId("controls"), content, changed, refused);
   const margins = marginsIn(byId("bars"), byId("margins"));
-  const parts = { map, moving, roots, margins, controls, planes, elements, look };
+  const sway = swayIn({
+    box: byId("sway-box"),
+    sentence: byId("sway-words"),
+    svg: byId("sway-picture"),
+    table: byId("sway"),
+  });
+  const parts = { map, moving, roots, margins, sway, controls, planes, elements, look };
   parts.rested = () => keepAddress(explorer.state);
   explorer = new Explorer(content, formulas, parts, startState(content), ask, tell);
   choices(explorer);

@@ -63,7 +63,8 @@ function showBar(row, joint, edge, write) {
   row.needed.classList.toggle("beyond", finite && joint.needed > edge);
 }
 
-function showTable(table, rows, write) {
+/** Put rows of a name and a value into a table. */
+export function showTable(table, rows, write) {
   while (table.rows.length > rows.length) table.deleteRow(-1);
   rows.forEach(([name, value], i) => {
     if (i >= table.rows.length) {

@@ -24,11 +24,11 @@ export class MovingPerson {
 
   constructor(svg) {
     this.#svg = svg;
-    const ground = element("g", { class: "ground" });
+    const ground = svgElement("g", { class: "ground" });
     ground.append(
-      element("line", { x1: -0.62, y1: 0.075, x2: 0.62, y2: 0.075, class: "floor" }),
-      element("line", { x1: 0, y1: 0.07, x2: 0, y2: -1.9, class: "plumb" }),
-      element("path", {
+      svgElement("line", { x1: -0.62, y1: 0.075, x2: 0.62, y2: 0.075, class: "floor" }),
+      svgElement("line", { x1: 0, y1: 0.07, x2: 0, y2: -1.9, class: "plumb" }),
+      svgElement("path", {
         d: "M -0.06 0.07 L 0.19 0.07 L 0.04 -0.03 L -0.04 -0.03 Z",
         class: "foot",
       }),
@@ -122,7 +122,8 @@ export class MovingPerson {
   }
 }
 
-function element(name, attributes) {
+/** An element of SVG with attributes. */
+export function svgElement(name, attributes) {
   const made = document.createElementNS(NAMESPACE, name);
   for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
   return made;
@@ -133,10 +134,10 @@ function set(shape, attributes) {
 }
 
 function figureOf(name) {
-  const group = element("g", { class: name });
-  const limbs = [0, 1, 2].map(() => element("line", { class: "limb" }));
-  const joints = [0, 1, 2].map(() => element("circle", { r: 0.033, class: "joint" }));
-  const head = element("circle", { r: 0.1, class: "head" });
+  const group = svgElement("g", { class: name });
+  const limbs = [0, 1, 2].map(() => svgElement("line", { class: "limb" }));
+  const joints = [0, 1, 2].map(() => svgElement("circle", { r: 0.033, class: "joint" }));
+  const head = svgElement("circle", { r: 0.1, class: "head" });
   group.append(...limbs, head, ...joints);
   return { group, limbs, joints, head };
 }

@@ -7,6 +7,7 @@ import { fillPerson } from "./state.js";
 /** Points along a side of the map, at rest; fewer are taken while a slider moves and time is short. */
 export const SIDE = 401;
 const SIDES = [SIDE, 201, 101];
+const SWAY_SIDE = 201; // of sway, which takes the program longest
 const COARSE = 41; // of what the program computes while a slider moves
 const BUDGET = 12; // ms, for the values of one picture
 const STANDING_SIDE = 201;
@@ -47,6 +48,10 @@ export class Planes {
     if (this.#content.atlas) return "cells";
     const { springs, oneJoint } = this.#formulas;
     const nerves = nervesOf(state, [state.x, state.y]);
+    if (this.#content.quantity[name]?.of_noise) {
+      const sways = nerves.noisy && (nerves.damped || nerves.gained);
+      return this.#live && sways ? "live" : "";
+    }
     const fedBack = name === "stable" || !(name in springs);
     if (name in springs && !(nerves.gained && fedBack)) return "springs";
     if (nerves.gained && nerves.free.length === 1 && name in oneJoint) return "oneJoint";
@@ -71,10 +76,8 @@ export class Planes {
     const ways = { shown: this.way(state, name), standing: this.way(state, "stable") };
     if (ways.shown === "cells") return this.#cells.sample(state, name);
     if (ways.shown === "") {
-      const quantity = this.#content.quantity[name].words;
-      const word = nervesOf(state, [state.x, state.y]).gained
-        ? `The ${quantity} of several joints needs the program (standfast explore).`
-        : `The ${quantity} is of feedback: set a gain.`;
+      const quantity = this.#content.quantity[name];
+      const word = absentWords(quantity, nervesOf(state, [state.x, state.y]));
       return { shown: null, standing: null, limit: null, pending: false, coarse: false, word };
     }
     const live = this.#askedLive(state, ways, grid, resting);
@@ -128,7 +131,8 @@ export class Planes {
     const place = JSON.stringify([wanted, state.x, ends.xs, state.y, ends.ys, parameters]);
     // a coarse picture comes first, so that something is seen soon
     const fine = resting && this.#live.answer?.place === place;
-    const { xs, ys } = grid(fine ? SIDE : COARSE);
+    const sways = this.#content.quantity[state.quantity].of_noise;
+    const { xs, ys } = grid(fine ? (sways ? SWAY_SIDE : SIDE) : COARSE);
     const question = {
       place,
       body: {
@@ -145,6 +149,19 @@ export class Planes {
     const stale = this.#live.key !== key;
     return { ...answer.grids, stale, coarse: !fine || stale };
   }
+}
+
+/** Why there are no values of a quantity. */
+function absentWords({ words, of_noise: ofNoise }, nerves) {
+  if (!ofNoise) {
+    return nerves.gained
+      ? `The ${words} of several joints needs the program (standfast explore).`
+      : `The ${words} is of feedback: set a gain.`;
+  }
+  if (!nerves.noisy) return `The ${words} is of noise: set a noise of the torques.`;
+  return nerves.damped || nerves.gained
+    ? `The ${words} needs the program (standfast explore).`
+    : `The ${words} has no bounds, as nothing damps the person: set a damping or a gain.`;
 }
 
 async function askLive(ask, { place, body }, signal) {

@@ -16,7 +16,7 @@ import numpy as np
 
 import standfast as sf
 from harness import ROOT
-from sway_model import deviation, mean_frequency, velocity, welch
+from sway_model import com_of, deviation, mean_frequency, velocity, welch
 
 DATA = Path(os.environ.get("STANDFAST_SWAY", ROOT.parent / "shared/data/sway"))
 RATE = 100.0  # Hz, of the recordings
@@ -106,7 +106,4 @@ def _com(cop: np.ndarray, row: dict[str, str]) -> np.ndarray:
     mass, _, length, com = (np.asarray(part, float) for part in body)
     load = G * float(mass @ (np.concatenate([[0.0], np.cumsum(length)]) + com))
     square = load / float(sf.inertia_matrix(body)[0][0])
-    # mirrored, so that the ends meet
-    moved = np.fft.rfft(np.concatenate([cop, cop[::-1]]) - cop.mean())
-    omega = 2.0 * np.pi * np.fft.rfftfreq(2 * cop.size, 1.0 / RATE)
-    return np.fft.irfft(moved * square / (square + omega**2))[: cop.size]
+    return com_of(cop, square, RATE)

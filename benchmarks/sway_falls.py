@@ -38,7 +38,6 @@ G = 9.81
 HEIGHTS = (1.40, 1.65, 1.95)
 FITS = ("gain", "stiffness")
 MARGINS = ("safety factor", "critical delay", "delay margin")
-OTHERS = ("age", "area", "mean velocity", "mean frequency", "noise")
 # of an ellipse of 95 %: area / (π √det S), many samples
 ELLIPSE = -2.0 * np.log(0.05) * np.pi
 
@@ -62,9 +61,10 @@ def margins(people: Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], di
                 sf.critical_delay(**person(law, h, m, fit, k))
                 for h, m, k in zip(people["height"], people["mass"], size, strict=True)
             ])  # fmt: skip
+            delays = delays.round(9)  # equal persons are equal
             found[f"safety factor, {law}, {fit}"] = -(size + table.other)
             found[f"critical delay, {law}, {fit}"] = -delays
-            found[f"delay margin, {law}, {fit}"] = -(delays - sf.LAWS[law].delay)
+            found[f"delay margin, {law}, {fit}"] = -(delays - sf.LAWS[law].delay).round(9)
             if (law, fit) == (LAWS[-1], FITS[0]):
                 load = people["mass"] * people["height"]
                 found["noise"] = load * spread / table.spread_of(people["height"], size)

@@ -17,8 +17,9 @@ PANELS = (
     ("frequency (Hz)", "mean frequency of the CoP (Hz)"),
     ("velocity (mm/s)", "mean velocity of the CoP (mm/s)"),
 )
-LOOKS = {"control": ("o", BLUE, BLUE), "total": ("s", "white", VERMILION)}
+LOOKS = {"control": ("o", BLUE, BLUE), "total": ("s", "none", VERMILION)}
 SAID = {"control": "CoP of the control moments", "total": "CoP of the total moment"}
+OUT_OF_RANGE = "pasma-2017"  # hardly anybody's frequency comes out: drawn hollow
 SHOWN = (
     "pasma-2017",
     "independent-channel-0.5deg",
@@ -47,15 +48,16 @@ def draw_measures(
             for definition, (marker, face, edge) in LOOKS.items():
                 if definition == "total" and "degrees" in name:
                     continue
-                some = [row for row in rows if row["definition"] == definition]
+                some = [r for r in rows if r["definition"] == definition and r[name] > 0.0]
                 x = [row[name] for row in some]
                 y = [laws.index(row["law"]) for row in some]
                 look = {"marker": marker, "mfc": face, "mec": edge, "ms": 4.5, "ls": ""}
                 ax.plot(x, y, **look, label=SAID[definition])
-            if "degrees" not in name:
+            if "degrees" in name:
+                ax.set_xlim(left=0.0)
+            else:
                 ax.set_xscale("log")
-                small, large = ax.get_xlim()
-                ticks = [t for t in _ticks() if small <= t <= large]
+                ticks = _ticks(*ax.get_xlim())
                 ax.set_xticks(ticks, [f"{t:g}" for t in ticks])
                 ax.set_xticks([], minor=True)
             ax.set_yticks(range(len(laws)), laws if ax in {axes[0], axes[3]} else [])
@@ -65,7 +67,7 @@ def draw_measures(
             ax.set_xlabel(label)
         handles, words = axes[-1].get_legend_handles_labels()
         figure.legend(handles, words, loc="outside upper center", ncols=4, frameon=False)
-        save(figure, stem)
+        save(figure, stem, ("png",))
 
 
 def draw_spectra(
@@ -80,7 +82,7 @@ def draw_spectra(
         for ax, definition, letter in zip(axes, SAID, "ab", strict=True):
             low, middle, high = 1e6 * people
             ax.fill_between(hertz, low, high, color=BAND, lw=0, label="people, quartiles")
-            ax.plot(hertz, middle, color="black", lw=1.8, label="people, median")
+            ax.plot(hertz, middle, color="black", lw=2.0, label="people, median", zorder=3)
             colors = ("#0072B2", "#56B4E9", "#009E73", "#E69F00", "#D55E00", "#7A2E5D")
             for law, color, line in zip(SHOWN, colors, LINE_STYLES, strict=True):
                 density = 1e6 * spectra[law, "all", definition][shown]
@@ -96,11 +98,15 @@ def draw_spectra(
         axes[0].set_ylabel("density of the CoP, AP (mm²/Hz)")
         handles, words = axes[0].get_legend_handles_labels()
         figure.legend(handles, words, loc="outside right center", frameon=False, handlelength=2.6)
-        save(figure, stem)
+        save(figure, stem, ("png",))
 
 
 def draw_falls(stem: Path, falls: Sequence[Mapping[str, Any]]) -> None:
-    """Draw the AUC of every predictor with its interval, a panel a group."""
+    """Draw the AUC of every predictor with its interval, a panel a group.
+
+    The delay margin ranks as the critical delay, and is left out.
+    """
+    falls = [row for row in falls if "delay margin" not in row["predictor"]]
     names = list(dict.fromkeys(row["predictor"] for row in falls))
     ours = [name for name in names if "," in name]
     names = [*ours, *(name for name in names if name not in ours)]
@@ -112,7 +118,8 @@ def draw_falls(stem: Path, falls: Sequence[Mapping[str, Any]]) -> None:
                 row = some[name]
                 color, marker = (BLUE, "o") if name in ours else (VERMILION, "s")
                 ax.plot([row["low"], row["high"]], [y, y], color=color, lw=1.0)
-                ax.plot(row["AUC"], y, marker, color=color, ms=4)
+                face = "white" if name.split(", ")[1:2] == [OUT_OF_RANGE] else color
+                ax.plot(row["AUC"], y, marker, color=color, mfc=face, ms=4)
             ax.axvline(0.5, color=GREY, lw=0.8, ls="--")
             ax.set_xlim(0.2, 0.9)
             ax.set_ylim(len(names) - 0.5, -0.5)
@@ -120,8 +127,10 @@ def draw_falls(stem: Path, falls: Sequence[Mapping[str, Any]]) -> None:
             first = some[names[0]]
             ax.set_title(f"{group}: {first['fell']} of {first['people']} fell", loc="left")
             ax.set_xlabel("area under the ROC curve")
-        save(figure, stem)
+        save(figure, stem, ("png",))
 
 
-def _ticks() -> list[float]:
-    return [d * 10.0**e for e in range(-3, 4) for d in (1, 2, 3, 5)]
+def _ticks(low: float, high: float) -> list[float]:
+    digits = (1, 3) if high > 12.0 * low else (1, 2, 3, 5)
+    every = [digit * 10.0**power for power in range(-3, 4) for digit in digits]
+    return [tick for tick in every if low <= tick <= high]

@@ -144,3 +144,22 @@ def mean_frequency(samples: np.ndarray, rate: float) -> np.ndarray:
     """Return ∫ f P df / ∫ P df of each recording, one direction."""
     hertz, density = welch(samples, rate)
     return np.trapezoid(hertz * density, hertz) / np.trapezoid(density, hertz)
+
+
+def com_of(cop: np.ndarray, square: float, rate: float) -> np.ndarray:
+    """Return the centre of mass from that of pressure by the low-pass ω₀²/(ω₀² + ω²).
+
+    ``square`` is ω₀² = m g h/J (1/s²). Recordings are mirrored, so that their ends meet.
+    """
+    moved = cop - cop.mean(axis=-1, keepdims=True)
+    turned = np.fft.rfft(np.concatenate([moved, moved[..., ::-1]], axis=-1))
+    omega = 2.0 * np.pi * np.fft.rfftfreq(2 * cop.shape[-1], 1.0 / rate)
+    return np.fft.irfft(turned * square / (square + omega**2))[..., : cop.shape[-1]]
+
+
+def slope(hertz: np.ndarray, density: np.ndarray, low: float, high: float) -> float:
+    """Return the exponent of f of a density between two frequencies, in equal steps of log f."""
+    some = hertz > 0.0
+    at = np.geomspace(low, high, 100)
+    values = np.interp(np.log(at), np.log(hertz[some]), np.log(density[some]))
+    return float(np.polyfit(np.log(at), values, 1)[0])

@@ -22,6 +22,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
+from scipy import stats
 
 import standfast as sf
 import sway_data
@@ -30,15 +31,18 @@ from harness import ROOT
 from sway_figures import draw_falls, draw_measures, draw_spectra
 from sway_model import (
     JOINTS,
+    WINDOW,
+    com_of,
     deviation,
     mean_frequency,
     person_of,
     recordings,
+    slope,
     spectrum,
     velocity,
     welch,
 )
-from sway_text import page
+from sway_text import Recorded, medians, page
 
 RESULTS = ROOT / "results" / "sway"
 SEED = 2016
@@ -46,6 +50,7 @@ RATE = 100.0
 DEGREES = 180.0 / np.pi
 DEFINITIONS = ("control", "total")
 BAND = (0.1, 5.0)  # Hz
+SLOPES = ((0.05, 0.5), (1.5, 5.0))  # Hz
 CHECKED = np.geomspace(1e-3, 50.0, 400)  # Hz
 
 
@@ -69,6 +74,8 @@ def main() -> None:
                     "law": name, "noise at": where, "definition": definition,
                     **measures["both"], **measures[definition],
                     "spectrum off (dB)": off, "its shape off (dB)": shape,
+                    **{f"slope, {a:g}-{b:g} Hz": slope(hertz, drawn[definition], a, b)
+                       for a, b in SLOPES},
                 })  # fmt: skip
                 spectra[name, where, definition] = drawn[definition]
     given = sway_data.people()
@@ -78,19 +85,14 @@ def main() -> None:
     write_norms(norms, measured)
     table("measures.csv", rows)
     shown = (hertz > 0.0) & (hertz <= 10.0)
-    names = [key for key in spectra if key[1] == "all"]
-    columns = [hertz[shown], *people[:, shown], *(spectra[key][shown] for key in names)]
-    heads = ["frequency (Hz)", *(f"people {q} (m²/Hz)" for q in ("p25", "median", "p75"))]
-    heads += [f"{law} {definition} (m²/Hz)" for law, _, definition in names]
-    table(
-        "spectra.csv",
-        [dict(zip(heads, map(float, each), strict=True)) for each in zip(*columns, strict=True)],
-    )
+    write_spectra(hertz, people, spectra)
     table("falls.csv", falls)
     draw_measures(RESULTS / "sway-measures", rows, norms["Young"], measured)
     draw_spectra(RESULTS / "sway-spectra", hertz[shown], people[:, shown], spectra, shown)
     draw_falls(RESULTS / "sway-falls", falls)
-    text = page(rows, norms, measured, falls, out, subjects, len(density), worst_density())
+    slopes = [slope(hertz, people[1], a, b) for a, b in SLOPES]
+    measured_of = Recorded(measured, len(density), subjects, slopes)
+    text = page(rows, norms, measured_of, falls, out, margins(given, predictors), worst_density())
     (RESULTS / "README.md").write_text(text, encoding="utf-8")
 
 
@@ -115,12 +117,14 @@ def of_law(
     }
     found["both"].update({f"{j} (degrees)": 0.0 for j in JOINTS if j not in person.joints})
     medians = {}
+    square = float(person.gravity[0, 0] / person.inertia[0, 0])
     for definition in DEFINITIONS:
         cop = drawn[definition]
         spread, speed = deviation(cop), velocity(cop, RATE)
         found[definition] = {
             "CoP (mm)": 1e3 * float(np.median(spread)),
-            "CoM / CoP": float(np.median(deviation(drawn["com"]) / spread)),
+            "CoM / CoP": float(np.median(deviation(com_of(cop, square, RATE)) / spread)),
+            "true CoM / CoP": float(np.median(deviation(drawn["com"]) / spread)),
             "frequency (Hz)": float(np.median(mean_frequency(cop, RATE))),
             "velocity (mm/s)": 1e3 * float(np.median(speed)),
             "velocity / SD (1/s)": float(np.median(speed / spread)),
@@ -150,6 +154,20 @@ def areas(given: dict[str, np.ndarray], predictors: dict[str, np.ndarray]) -> It
             }  # fmt: skip
 
 
+def margins(given: dict[str, np.ndarray], predictors: dict[str, np.ndarray]) -> str:
+    """Return what margins people have, in words, of the law and fit that stand for all."""
+    factor, delay = (-predictors[f"{name}, dec-2015, gain"] for name in sway_falls.MARGINS[:2])
+    fell, old = given["falls"] >= 1.0, given["old"]
+    groups = {
+        "young, did not fall": ~old & ~fell,
+        "young, fell": ~old & fell,
+        "old, did not fall": old & ~fell,
+        "old, fell": old & fell,
+    }
+    alike = float(stats.spearmanr(delay, given["frequency"]).statistic)
+    return medians([(name, factor[who], delay[who]) for name, who in groups.items()], alike)
+
+
 def worst_density() -> float:
     """Return how far the package's densities are from this script's, relative, of all laws."""
     worst = 0.0
@@ -163,6 +181,19 @@ def worst_density() -> float:
         pairs += [(own["com"], theirs.com), (own["control"], theirs.cop)]
         worst = max(worst, *(float(abs(a / b - 1.0).max()) for a, b in pairs))
     return worst
+
+
+def write_spectra(
+    hertz: np.ndarray, people: np.ndarray, spectra: dict[tuple[str, str, str], np.ndarray]
+) -> None:
+    """Write spectra up to 10 Hz, noise at all joints, about evenly in log f."""
+    kept = np.unique(np.geomspace(1, 10 * WINDOW, 80).round().astype(int))
+    names = [key for key in spectra if key[1] == "all"]
+    columns = [hertz[kept], *people[:, kept], *(spectra[key][kept] for key in names)]
+    heads = ["frequency (Hz)", *(f"people {q} (m²/Hz)" for q in ("p25", "median", "p75"))]
+    heads += [f"{law} {definition} (m²/Hz)" for law, _, definition in names]
+    rows = zip(*columns, strict=True)
+    table("spectra.csv", [dict(zip(heads, map(float, row), strict=True)) for row in rows])
 
 
 def write_norms(norms: dict[str, sway_data.Norms], measured: sway_data.Norms) -> None:

@@ -55,18 +55,22 @@ def page(
         laws(rows, people, "control"),
         fitting(rows, people),
         "![Measures of each law beside the quartiles of people](sway-measures.png)",
+        "*Noise at all free joints; rigid joints have no mark.*",
         "## Two definitions of the centre of pressure",
         definitions(rows, people, density),
         laws(rows, people, "total"),
         "## Spectra",
         spectra(rows, recorded),
         "![Spectra of the recordings and of the model](sway-spectra.png)",
+        "*Six of the laws, noise at all free joints, fitted to the ankle's SD alone.*",
         "## Old and young",
         ages(norms),
         "## Falls",
         fallers(falls, out),
         margins,
         "![Areas under the ROC curve](sway-falls.png)",
+        "*With 95 % intervals. Hollow: the law that gives hardly anybody's frequency. The delay"
+        " margin ranks as the critical delay.*",
     ]
     return "\n\n".join(parts) + "\n"
 

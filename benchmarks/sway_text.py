@@ -65,6 +65,7 @@ def page(
         "*Six of the laws, noise at all free joints, fitted to the ankle's SD alone.*",
         "## Old and young",
         ages(norms),
+        laws_of_old(rows, norms),
         "## Falls",
         fallers(falls, out),
         margins,
@@ -171,6 +172,35 @@ def ages(norms: Mapping[str, Norms]) -> str:
         " multiplies every SD and the velocity by one number and the area by its square, and leaves"
         " the frequency as it is. The old are not the young with more noise:\n\n" + "\n".join(lines)
     )
+
+
+def laws_of_old(rows: Rows, norms: Mapping[str, Norms]) -> str:
+    """Return what laws with noise for the old's ankle say of the old."""
+    old = norms["Old"]
+    more = old["ankle (degrees)"][1] / norms["Young"]["ankle (degrees)"][1]
+    asked = (("knee (degrees)",) * 2, ("hip (degrees)",) * 2, (
+        "frequency (Hz)", "mean frequency (Hz)",
+    ))  # fmt: skip
+    lines = [
+        f"Noise fitted to the ankle of the old ({more:.2f} times that of the young), at all free"
+        " joints, control moments. The frequency is the model's AP beside the published one of"
+        " both directions; recordings of the old are too few for more (6, of 2 people).",
+        "",
+        "| law | knee (°) | hip (°) | frequency (Hz) |",
+        "|---|---|---|---|",
+        "| old people, quartiles | "
+        + " | ".join(f"{old[name][0]:.2f}-{old[name][2]:.2f}" for _, name in asked)
+        + " |",
+    ]
+    for row in rows:
+        if row["noise at"] == "all" and row["definition"] == "control":
+            values = [row[ours] * (more if "deg" in ours else 1.0) for ours, _ in asked]
+            cells = [
+                _cell(value, old[name], ".2f")
+                for value, (_, name) in zip(values, asked, strict=True)
+            ]
+            lines.append("| " + " | ".join([row["law"], *cells]) + " |")
+    return "\n".join(lines)
 
 
 def fallers(falls: Rows, out: Mapping[str, int]) -> str:

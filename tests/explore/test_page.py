@@ -7,8 +7,10 @@ from importlib.resources import files
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 
+import standfast as sf
 from explore_content import STARTS, embedded_content, springs_content
 from standfast.anthropometry.body import REFERENCE_PEOPLE
+from standfast.cli.app import main
 from standfast.explore import page as pages
 from standfast.quantities import QUANTITIES
 from standfast.quantities.row import Person
@@ -338,6 +340,30 @@ def test_an_embedded_atlas_is_shown_and_its_sliders_snap(atlas_file, opened):
     # the rigid knee is not on the map
     assert len(kept) == 5 * 2
     assert kept[-1] == "3000,1200,1.3333333333333333"
+
+
+MEASURED = {
+    "gravity": 9.81,
+    "body": {
+        "segment_mass": {"shank": 6.5, "thigh": 15.0, "upper_body": [40.0, 55.0, 65.0]},
+        "segment_inertia": [0.12, 0.29, 3.0],
+        "segment_length": [0.43, 0.43],
+        "segment_com": [0.245, 0.244, 0.356],
+    },
+    "stiffness": {"ankle": [800.0, 1000.0, 1400.0], "knee": 2000.0, "hip": [300.0, 500.0]},
+    "output": {"quantities": ["safety_factor"]},
+}
+
+
+def test_segments_of_ones_own_may_be_axes_of_an_atlas(tmp_path, opened):
+    atlas = sf.sweep(MEASURED, tmp_path / "own.h5")
+    assert main(["explore", str(atlas.path), "--export", str(tmp_path / "own.html")]) == 0
+    page = opened(
+        tmp_path / "own.html", "upper_body_mass=65&ankle_stiffness=1000&hip_stiffness=500"
+    )
+    stored = float(atlas["safety_factor"][2, 1, 1])
+    assert atlas["safety_factor"].dims[0] == "upper_body_mass"
+    assert table(page)["Safety factor"] == pytest.approx(stored, rel=SHOWN_DIGITS)
 
 
 def test_feedback_of_one_joint_is_live_and_of_several_needs_the_program(springs_file, opened):

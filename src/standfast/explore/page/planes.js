@@ -2,7 +2,7 @@
 import { Newest } from "./asking.js";
 import { encoded } from "./content.js";
 import { nervesOf } from "./facts.js";
-import { fillPerson } from "./state.js";
+import { fillPerson, slotOf } from "./state.js";
 
 /** Points along a side of the map, at rest; fewer are taken while a slider moves and time is short. */
 export const SIDE = 401;
@@ -69,7 +69,12 @@ export class Planes {
     });
     fillPerson(this.#content, this.#formulas.slots, state.values, this.#person);
     const ways = { shown: this.way(state, name), standing: this.way(state, "stable") };
-    if (ways.shown === "cells") return this.#cells.sample(state, name);
+    if (ways.shown === "cells") {
+      const cells = this.#cells.sample(state, name);
+      const gained = nervesOf(state, [state.x, state.y]).gained;
+      // of springs alone the limit is known between the cells too
+      return gained ? cells : { ...cells, limit: this.#limitOfSprings(state, grid) };
+    }
     if (ways.shown === "") {
       const quantity = this.#content.quantity[name].words;
       const word = nervesOf(state, [state.x, state.y]).gained
@@ -86,12 +91,17 @@ export class Planes {
       name === "stable" ? shown : found(ways.standing, "stable", Math.min(side, STANDING_SIDE));
     const bySprings = ways.standing === "springs";
     const limit = bySprings
-      ? { ...this.#computed(state, "springs", "safety_factor", grid(LIMIT_SIDE)), level: 1 }
+      ? this.#limitOfSprings(state, grid)
       : standing && { ...standing, level: 0.5 };
     const pending = live !== undefined && (live === null || live.stale);
     const nerves = nervesOf(state, [state.x, state.y]);
     const word = nerves.gained && bySprings ? NEEDS_PROGRAM : "";
     return { shown, standing, limit, pending, coarse: side < SIDE || live?.coarse === true, word };
+  }
+
+  #limitOfSprings(state, grid) {
+    const found = this.#computed(state, "springs", "safety_factor", grid(LIMIT_SIDE));
+    return { ...found, level: 1 };
   }
 
   #affordable(name) {
@@ -106,7 +116,7 @@ export class Planes {
     const values = this.#buffers.get(key);
     const began = performance.now();
     const formula = this.#formulas[way][name];
-    formula.plane(this.#person, slots[state.x], xs, slots[state.y], ys, values);
+    formula.plane(this.#person, slotOf(slots, state.x), xs, slotOf(slots, state.y), ys, values);
     const each = (performance.now() - began) / values.length;
     // the first planes run before the browser has compiled them
     this.#cost.set(name, Math.min(each, this.#cost.get(name) ?? each));

@@ -96,14 +96,20 @@ export function nearestStop(stops, value) {
   return stops.reduce((best, stop) => (away(stop) < away(best) ? stop : best));
 }
 
+/** Where the formulas take a parameter from; a measured segment is one of the reference person. */
+export function slotOf(slots, name) {
+  return slots[name] ?? slots[`reference_${name}`];
+}
+
 /** Write the person of a state into the vector that the formulas are given. */
 export function fillPerson(content, slots, values, person) {
   person.fill(0);
-  for (const [name, value] of Object.entries(values)) {
-    if (name in slots && typeof value === "number") person[slots[name]] = value;
-  }
   const own = content.people[values.body_model] ?? Object.values(content.people)[0];
   for (const [name, value] of Object.entries(own)) person[slots[`reference_${name}`]] = value;
+  for (const [name, value] of Object.entries(values)) {
+    const slot = slotOf(slots, name);
+    if (slot !== undefined && typeof value === "number") person[slot] = value;
+  }
   if (!("height" in values)) {
     // measured segments: a reference of height 1 and mass 1, taken as it is
     for (const name of ["height", "mass"]) {

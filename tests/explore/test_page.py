@@ -1,11 +1,14 @@
 """The page in a browser: it shows what the package computes, to everyone, without network."""
 
+import io
 import json
 import re
 from importlib.resources import files
 
+import numpy as np
 import pytest
 from axe_playwright_python.sync_playwright import Axe
+from PIL import Image
 
 import standfast as sf
 from explore_content import STARTS, embedded_content, springs_content
@@ -174,6 +177,20 @@ def test_every_slider_moves_map_figure_and_numbers(springs_file, opened, name):
     rest(page)
     after = picture(page), page.inner_html("#figure-of-person"), page.inner_text("#margins")
     assert all(one != other for one, other in zip(before, after, strict=True))
+
+
+@pytest.mark.parametrize(
+    "state", ["mass=120", "quantity=frequency", "x=height&y=mass", "window=500,1500,200,900"]
+)
+def test_the_colours_of_the_map_are_those_of_a_page_opened_so(springs_file, opened, state):
+    fresh = np.array(Image.open(io.BytesIO(picture(opened(springs_file, state)))), int)
+    page = opened(springs_file)
+    before = np.array(Image.open(io.BytesIO(picture(page))), int)
+    page.evaluate("state => { location.hash = state; }", state)
+    rest(page)
+    after = np.array(Image.open(io.BytesIO(picture(page))), int)
+    assert np.mean(abs(after - before).max(axis=2) > 8) > 0.1
+    assert np.mean(abs(after - fresh).max(axis=2) > 8) < 0.002  # lines lie the same, too
 
 
 def test_the_state_is_in_the_address_and_comes_back(springs_file, opened):

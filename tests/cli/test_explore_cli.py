@@ -193,3 +193,27 @@ def test_a_title_of_a_study_is_told(page, tmp_path):
     found = exported(tmp_path / "page.html", study)
     assert found["title"] == "Mine"
     assert GOOD["title"] != found["title"]
+
+
+def test_an_export_replaces_a_page_and_nothing_else(tmp_path, capsys):
+    path = tmp_path / "own.html"
+    path.write_text("<!doctype html>\n<p>hello", encoding="utf-8")
+    assert main(["explore", "--export", str(path)]) == 2
+    assert "is no page of standfast" in capsys.readouterr().err
+    assert path.read_text(encoding="utf-8").endswith("hello")
+    path.unlink()
+    exported(path)
+    exported(path)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--export", "nowhere/page.html"], "there is no folder"),
+        (["--export", "page.html", "--port", "8000"], "--port is of a page that is served"),
+    ],
+)
+def test_what_cannot_be_exported_is_said_before(tmp_path, monkeypatch, capsys, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    assert main(["explore", *arguments]) == 2
+    assert words in capsys.readouterr().err

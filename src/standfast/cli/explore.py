@@ -63,6 +63,10 @@ def _port(text: str) -> int:
 def _explore(options: argparse.Namespace) -> None:
     if options.export is not None and options.export.suffix.lower() not in ENDINGS:
         raise InputError(f"{options.export} is not the name of a page; end it in .html")
+    if options.export is not None and not options.export.parent.is_dir():
+        raise InputError(f"there is no folder {options.export.parent} for {options.export.name}")
+    if options.export is not None and options.port:
+        raise InputError("--port is of a page that is served, and --export writes one to a file")
     _require_extra()
     with _source(options.source) as source:
         if options.export is not None:
@@ -178,10 +182,11 @@ def _live(own: dict[str, float]) -> "Live":
 
 def _export(options: argparse.Namespace, study: "Study", atlas: "Atlas | None") -> None:
     from standfast.explore import content, embedding, sliders
-    from standfast.explore.page import page_html
-    from standfast.files import in_bytes, whole_file
+    from standfast.explore.page import BEGINNING, page_html
+    from standfast.files import in_bytes, require_replaceable, whole_file
 
     path: Path = options.export
+    require_replaceable(path, BEGINNING, "page")
     quantities = content.chosen_quantities(study, options.quantity, live=atlas is None)
     stops, embedded, remark = None, None, ""
     if atlas is not None:

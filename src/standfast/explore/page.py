@@ -36,6 +36,10 @@ EXPORT = re.compile(r"^export (?=(async |function|class|const|let))", re.MULTILI
 PLACE = re.compile(r"\{(title|version|style|bokeh|content|figures|script)\}")
 
 
+# How a page begins, by which one is told from a file of somebody else's.
+BEGINNING = "<!doctype html><!-- a page of standfast explore -->"
+
+
 def page_html(content: Mapping[str, Any]) -> str:
     """Return the page that shows some content, whole: it needs no other file and no network.
 

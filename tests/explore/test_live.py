@@ -172,6 +172,17 @@ def test_what_is_wrong_is_said(live, changes, words):
         live.planes({**GOOD, **changes}, nothing)
 
 
+def test_the_coarse_plane_of_the_page_is_of_few_points_and_the_fine_one_of_many(live):
+    def sides(side):
+        axis = {"values": list(range(side))}
+        return {"x": {"name": "hip_stiffness", **axis}, "y": {"name": "ankle_stiffness", **axis}}
+
+    assert live.are_few(sides(41))
+    assert not live.are_few(sides(401))
+    with pytest.raises(sf.InputError, match="y is missing"):
+        live.are_few({"x": sides(2)["x"]})
+
+
 @pytest.mark.parametrize("key", ["quantities", "x", "y", "parameters"])
 def test_what_is_missing_is_said(live, key):
     request = {name: value for name, value in GOOD.items() if name != key}

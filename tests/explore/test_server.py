@@ -29,7 +29,12 @@ class StandIns:
             raise sf.InputError("100 % odd")
         return np.arange(6, dtype=np.uint8).reshape(3, 2) + at["knee_stiffness"]
 
+    def are_few(self, asked):
+        return asked.get("few", False)
+
     def planes(self, asked, go_on):
+        if self.are_few(asked):
+            return [np.array([2.5])]
         self.begun.release()
         self.go.wait(SECONDS)
         go_on()
@@ -249,6 +254,18 @@ def test_a_newer_plane_ends_the_older_and_others_are_answered_meanwhile(address,
     again.join(SECONDS)
     assert older[0][0] == 409
     assert newer[0][0] == 200
+
+
+def test_few_points_do_not_wait_for_many(address, stand_ins):
+    stand_ins.go.clear()
+    many = threading.Thread(target=lambda: address("POST", "/live", {}))
+    many.start()
+    assert stand_ins.begun.acquire(timeout=SECONDS)
+    status, _, content = address("POST", "/live", {"few": True})
+    assert not stand_ins.go.is_set()
+    assert (status, np.frombuffer(content, "<f8")) == (200, 2.5)
+    stand_ins.go.set()
+    many.join(SECONDS)
 
 
 def test_who_went_away_is_waited_for_no_longer(address, stand_ins):

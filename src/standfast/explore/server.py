@@ -55,7 +55,8 @@ class Served:
     """What a server hands out, and the threads that compute it.
 
     ``page`` is the page's text, ``live`` makes the engine ready when it is first asked for;
-    ``planes`` is None without an atlas.
+    ``planes`` is None without an atlas. Planes of few points have a thread of their own (``few``),
+    so that none waits until one of ``many`` is compiled.
     """
 
     page: str
@@ -66,7 +67,8 @@ class Served:
     newest: threading.Event = field(default_factory=threading.Event)
     threads: dict[str, ThreadPoolExecutor] = field(
         default_factory=lambda: {
-            name: ThreadPoolExecutor(1, f"explore-{name}") for name in ("atlas", "live", "person")
+            name: ThreadPoolExecutor(1, f"explore-{name}")
+            for name in ("atlas", "few", "many", "person")
         }
     )
 
@@ -212,7 +214,7 @@ class _Page(_Answer):
         self.set_header("Content-Type", "text/html; charset=utf-8")
         self.finish(self.served.page)
         # whoever looks at the page will ask soon, and the engine takes a second to get ready
-        self.served.threads["live"].submit(self.served.live)
+        self.served.threads["few"].submit(self.served.live)
 
 
 class _Asked(_Answer):
@@ -257,7 +259,9 @@ class _LivePlane(_Asked):
         self.served.newest.set()
         self.superseded = self.served.newest = threading.Event()
         try:
-            found = await self.computed("live", self.plane, asked, self.superseded)
+            are_few = await self.computed("few", lambda: self.served.live().are_few(asked))
+            thread = "few" if are_few else "many"
+            found = await self.computed(thread, self.plane, asked, self.superseded)
         except SupersededError:
             refuse(409, "a newer plane was asked for")
         self.send(found)

@@ -56,7 +56,8 @@ class Served:
 
     ``page`` is the page's text, ``live`` makes the engine ready when it is first asked for;
     ``planes`` is None without an atlas. Planes of few points have a thread of their own (``few``),
-    so that none waits until one of ``many`` is compiled.
+    so that none waits until one of ``many`` is compiled. ``newest`` holds by page what ends the
+    plane that is computed for it.
     """
 
     page: str
@@ -64,7 +65,7 @@ class Served:
     live: Callable[[], "Live"]
     planes: "Planes | None" = None
     port: int = 0
-    newest: threading.Event = field(default_factory=threading.Event)
+    newest: dict[str, threading.Event] = field(default_factory=dict)
     threads: dict[str, ThreadPoolExecutor] = field(
         default_factory=lambda: {
             name: ThreadPoolExecutor(1, f"explore-{name}")
@@ -85,7 +86,8 @@ class Served:
 
     def close(self) -> None:
         """End what is being computed."""
-        self.newest.set()
+        for superseded in list(self.newest.values()):
+            superseded.set()
         for pool in self.threads.values():
             pool.shutdown(wait=False, cancel_futures=True)
 
@@ -256,14 +258,19 @@ class _LivePlane(_Asked):
 
     async def post(self) -> None:
         asked = self.asked()
-        self.served.newest.set()
-        self.superseded = self.served.newest = threading.Event()
+        page, newest = self.request.headers.get("X-Standfast-Page", ""), self.served.newest
+        if page in newest:
+            newest[page].set()
+        self.superseded = newest[page] = threading.Event()
         try:
             are_few = await self.computed("few", lambda: self.served.live().are_few(asked))
             thread = "few" if are_few else "many"
             found = await self.computed(thread, self.plane, asked, self.superseded)
         except SupersededError:
             refuse(409, "a newer plane was asked for")
+        finally:
+            if newest.get(page) is self.superseded:
+                del newest[page]
         self.send(found)
 
     def plane(self, asked: dict[str, Any], superseded: threading.Event) -> list[np.ndarray]:

@@ -57,7 +57,7 @@ class Served:
     ``page`` is the page's text, ``live`` makes the engine ready when it is first asked for;
     ``planes`` is None without an atlas. Planes of few points have a thread of their own (``few``),
     so that none waits until one of ``many`` is compiled. ``newest`` holds by page what ends the
-    plane that is computed for it.
+    plane that is computed for it; ``seen`` is set once a browser has got the page, or none will.
     """
 
     page: str
@@ -66,6 +66,7 @@ class Served:
     planes: "Planes | None" = None
     port: int = 0
     newest: dict[str, threading.Event] = field(default_factory=dict)
+    seen: threading.Event = field(default_factory=threading.Event)
     threads: dict[str, ThreadPoolExecutor] = field(
         default_factory=lambda: {
             name: ThreadPoolExecutor(1, f"explore-{name}")
@@ -86,6 +87,7 @@ class Served:
 
     def close(self) -> None:
         """End what is being computed."""
+        self.seen.set()
         for superseded in list(self.newest.values()):
             superseded.set()
         for pool in self.threads.values():
@@ -215,6 +217,7 @@ class _Page(_Answer):
     def get(self) -> None:
         self.set_header("Content-Type", "text/html; charset=utf-8")
         self.finish(self.served.page)
+        self.served.seen.set()
         # whoever looks at the page will ask soon, and the engine takes a second to get ready
         self.served.threads["few"].submit(self.served.live)
 

@@ -1,7 +1,8 @@
 """The page and its answers on this machine alone: 127.0.0.1, with a random token.
 
 Every request must name this server as its host, which a page of another site that has its name
-point here cannot; none may come from another origin; and all but that of the page carry the token.
+point here cannot; none may come from another origin; and each carries the token, that for the page
+in its address, all others in a header.
 No path or name of a file comes from the browser.
 """
 
@@ -31,14 +32,10 @@ ADDRESS = "127.0.0.1"
 MOST_BYTES = 256_000  # of what a browser sends
 # What is larger Tornado refuses itself, before it is in memory.
 BUFFER_BYTES = 2**23
-POLICY = (
-    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
-    "img-src data: blob:; connect-src 'self'; worker-src blob:; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
-)
+FRAMES = "frame-ancestors 'none'"
 HEADERS = {
     "Cache-Control": "no-store",
-    "Content-Security-Policy": POLICY,
+    "Content-Security-Policy": f"default-src 'none'; {FRAMES}",
     "Cross-Origin-Resource-Policy": "same-origin",
     "Referrer-Policy": "no-referrer",
     "X-Content-Type-Options": "nosniff",
@@ -216,6 +213,8 @@ class _Page(_Answer):
 
     def get(self) -> None:
         self.set_header("Content-Type", "text/html; charset=utf-8")
+        # what else the page may do it says itself, and the rule of frames cannot stand there
+        self.set_header("Content-Security-Policy", FRAMES)
         self.finish(self.served.page)
         self.served.seen.set()
         # whoever looks at the page will ask soon, and the engine takes a second to get ready

@@ -1,7 +1,9 @@
 """Planes of an atlas as the page asks for them, and the part of it that a page holds."""
 
 import base64
+import threading
 import zlib
+from concurrent.futures import CancelledError
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from standfast.explore.planes import Planes
 
 ANKLE, KNEE, HIP = "ankle_stiffness", "knee_stiffness", "hip_stiffness"
 LENGTHS = {KNEE: 70, HIP: 71, ANKLE: 72, "gravity": 2}
+SECONDS = 20.0  # after which a test that waits fails
 QUANTITIES = ("stable", "safety_factor", "critical_ankle_stiffness")
 
 
@@ -88,6 +91,47 @@ def test_the_slab_beside_is_read_ahead_where_the_slider_goes(shown):
         shown.plane("safety_factor", KNEE, HIP, {ANKLE: place, "gravity": 0})
     half = LENGTHS[ANKLE] // 2  # of a chunk
     assert [sorted(slab) for slab in reads] == [[(0, 2), (half, 2 * half)]]
+
+
+def test_a_read_that_fails_once_is_done_again(shown, monkeypatch):
+    read = planes.Variable.__getitem__
+    failures = [OSError("the disk was asleep")]
+
+    def once(variable, box):
+        if failures:
+            raise failures.pop()
+        return read(variable, box)
+
+    monkeypatch.setattr(planes.Variable, "__getitem__", once)
+    asked = "stable", KNEE, HIP, {ANKLE: 3, "gravity": 0}
+    with pytest.raises(OSError, match="asleep"):
+        shown.plane(*asked)
+    assert shown.plane(*asked).shape == (LENGTHS[HIP], LENGTHS[KNEE])
+
+
+def test_who_waits_for_what_is_read_ahead_ends_with_the_planes(shown):
+    def plane(place):
+        return shown.plane("safety_factor", KNEE, HIP, {ANKLE: place, "gravity": 0})
+
+    go = threading.Event()
+    shown.reader.submit(go.wait, SECONDS)
+    ended = []
+
+    def wait():
+        with pytest.raises(CancelledError):
+            plane(LENGTHS[ANKLE] - 1)
+        ended.append(True)
+
+    for place in (0, 1):
+        plane(place)
+    waiting = threading.Thread(target=wait, daemon=True)
+    waiting.start()
+    waiting.join(0.2)
+    assert waiting.is_alive()
+    shown.close()
+    waiting.join(SECONDS)
+    go.set()
+    assert ended
 
 
 @pytest.mark.parametrize(("asked", "words"), [

@@ -203,16 +203,18 @@ def _export(options: argparse.Namespace, study: "Study", atlas: "Atlas | None") 
 
     path: Path = options.export
     quantities = content.chosen_quantities(study, options.quantity, live=atlas is None)
+    person = _person(options)
     stops, embedded, remark = None, None, ""
     if atlas is not None:
         plane = content.plane_of(study, quantities[0], live=False)
-        places = embedding.thinned(study, quantities, plane, embedding.EMBEDDED_BYTES)
+        whole = sliders.start_of(study, person, stops=atlas.axes)
+        places = embedding.thinned(study, quantities, plane, embedding.EMBEDDED_BYTES, start=whole)
         stops = {name: axis[places[name]] for name, axis in atlas.axes.items()}
         embedded = embedding.embedded(atlas, quantities, plane, places)
         remark = embedding.left_out(study, places)
     told = content.content_of(
         study,
-        start=sliders.start_of(study, _person(options), stops=stops),
+        start=sliders.start_of(study, person, stops=stops),
         quantities=quantities,
         stops=stops,
         embedded=embedded,

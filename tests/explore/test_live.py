@@ -124,7 +124,7 @@ def test_rigid_joints_do_not_turn(live):
     assert ankle == [1.0, 0.0]
     assert knee == hip == [0.0, 0.0]
     still = live.person({**ADULT, **{f"{j}_stiffness": "inf" for j in ("ankle", "knee", "hip")}})
-    assert still["shape"] is None or still["shape"] == [[0.0, 0.0]] * 3
+    assert still["shape"] is None
     assert still["roots"] == []
 
 

@@ -4,9 +4,15 @@ import json
 import os
 import re
 import signal
+import stat
 import subprocess
 import sys
+import threading
+import time
+import urllib.parse
+import urllib.request
 import webbrowser
+from pathlib import Path
 
 import pytest
 
@@ -42,6 +48,17 @@ delay = 0.1
 [feedback.proportional]
 ankle = {{ start = 0, stop = 900, num = 10 }}
 """
+
+
+SECONDS = 20.0  # after which a test that waits fails
+
+
+def soon(holds):
+    """Wait until something holds, and return whether it came to that."""
+    end = time.monotonic() + SECONDS
+    while not holds() and time.monotonic() < end:
+        time.sleep(0.01)
+    return holds()
 
 
 def exported(path, *arguments):
@@ -141,20 +158,49 @@ def test_a_busy_port_is_said(capsys):
     taken.close()
 
 
-def test_it_opens_the_browser_and_ctrl_c_ends_it_well(atlas, capsys, monkeypatch):
+def test_it_opens_the_browser_and_ctrl_c_ends_it_well(atlas, capsys, monkeypatch, tmp_path):
+    """The command line of the browser, which others can read, does not have the token."""
     opened = []
 
-    def browser(address):
-        opened.append(address)
+    def browser(leading):
+        file = Path(urllib.parse.urlsplit(leading).path)
+        modes = [stat.S_IMODE(each.stat().st_mode) for each in (file, file.parent)]
+        opened.append((leading, file, modes, file.read_text(encoding="utf-8")))
         os.kill(os.getpid(), signal.SIGINT)
 
+    monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.setattr(webbrowser, "open", browser)
     assert main(["explore", str(atlas)]) == 0
-    (address,) = opened
-    assert address.startswith("http://127.0.0.1:")
     first, second = capsys.readouterr().out.splitlines()
-    assert first == f"Open {address}"
     assert second == "Ctrl-C ends it"
+    address = first.removeprefix("Open ")
+    assert address.startswith("http://127.0.0.1:")
+    ((leading, file, modes, text),) = opened
+    assert f"url={address}" in text
+    assert address.partition("token=")[2] not in leading
+    assert modes == [0o600, 0o700]
+    assert file.is_relative_to(tmp_path)
+    assert soon(lambda: not any(tmp_path.iterdir()))
+
+
+def test_what_led_the_browser_to_the_page_is_removed_once_it_is_seen(atlas, monkeypatch, tmp_path):
+    def browser(leading):
+        text = Path(urllib.parse.urlsplit(leading).path).read_text(encoding="utf-8")
+        address = re.search(r"url=(\S+)\"", text)[1]
+
+        def look():
+            with urllib.request.urlopen(address) as answer:  # noqa: S310 - the program's own
+                assert answer.status == 200
+            gone.append(soon(lambda: not any(tmp_path.iterdir())))
+            os.kill(os.getpid(), signal.SIGINT)
+
+        threading.Thread(target=look).start()
+
+    gone = []
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setattr(webbrowser, "open", browser)
+    assert main(["explore", str(atlas)]) == 0
+    assert gone == [True]
 
 
 def test_the_page_is_there_before_jax(tmp_path, atlas):

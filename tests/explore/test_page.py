@@ -99,6 +99,29 @@ def test_it_is_one_file_below_three_megabytes_and_asks_for_nothing(springs_file,
     assert opened(springs_file).title() == "Standing of the nominal adult"
 
 
+@pytest.mark.parametrize("served", [False, True])
+def test_the_page_says_what_it_may_do(served):
+    text = pages.page_html(
+        {**springs_content(), "served": served, "token": "t" if served else None}
+    )
+    (policy,) = re.findall(r'<meta http-equiv="Content-Security-Policy" content="([^"]*)">', text)
+    rules = dict(rule.split(" ", 1) for rule in policy.split("; "))
+    assert rules["default-src"] == rules["base-uri"] == rules["form-action"] == "'none'"
+    assert rules["connect-src"] == ("'self'" if served else "'none'")
+    assert len(re.findall(r"'sha256-[\w+/=]{44}'", rules["script-src"])) == 2
+    assert "unsafe" not in rules["script-src"]
+
+
+def test_a_script_that_is_not_the_page_s_own_is_not_run(springs_file, opened, browser_page):
+    page = opened(springs_file)
+    added = "const s = document.createElement('script'); s.textContent = 'globalThis.ran = 1';"
+    page.evaluate(f"() => {{ {added} document.body.append(s); }}")
+    assert page.evaluate("globalThis.ran") is None
+    (error,) = browser_page.console_errors
+    assert "Content Security Policy" in error
+    browser_page.console_errors.clear()
+
+
 def test_modules_are_put_in_order_and_their_names_differ():
     modules = pages.scripts()
     names = [

@@ -76,3 +76,24 @@ def test_feedback_of_two_joints_is_computed_by_the_program(served):
     page.wait_for_selector("#bar:not([hidden])", timeout=COMPILED)
     assert "Decay rate" in page.inner_text("#margins")
     assert page.inner_text("#word") == ""
+
+
+def test_a_plane_that_a_newer_one_ended_is_asked_again_in_silence(served, browser_page):
+    ended = []
+
+    def refuse_once(route):
+        ended.append(route.request.headers["x-standfast-page"])
+        if len(ended) == 1:
+            route.fulfill(status=409, content_type="text/plain", body="a newer plane")
+        else:
+            route.continue_()
+
+    browser_page.page.route("**/live", refuse_once)
+    state = f"{GAINS}&feedback_delay=0.05&quantity=decay_rate"
+    page = served("--person", "ankle=700", state=state)
+    page.wait_for_selector("#bar:not([hidden])", timeout=COMPILED)
+    assert len(ended) > 1
+    assert len(set(ended)) == 1
+    assert page.inner_text("#status") == ""
+    # the browser itself writes down every answer that is no success
+    browser_page.console_errors[:] = [e for e in browser_page.console_errors if "409" not in e]

@@ -3,15 +3,21 @@ import { decoded } from "./content.js";
 
 /**
  * Return a function that asks the program and gives its answer: (path, body) → Response.
- * What the program refuses is thrown as its own sentence.
+ * What the program refuses is thrown as its own sentence; what a newer question of this page ended
+ * is as if it had been aborted. Other pages of the same program have a name of their own.
  */
 export function askWith(token) {
+  const page = crypto.getRandomValues(new Uint32Array(4)).join("-");
   return async (path, body, signal) => {
     let response;
     try {
       response = await fetch(path, {
         method: "POST",
-        headers: { "Content-Type": "application/json", "X-Standfast-Token": token },
+        headers: {
+          "Content-Type": "application/json",
+          "X-Standfast-Token": token,
+          "X-Standfast-Page": page,
+        },
         body: JSON.stringify(body),
         signal,
       });
@@ -19,6 +25,7 @@ export function askWith(token) {
       if (error.name === "AbortError") throw error;
       throw new Error("The program does not answer; is it still running?");
     }
+    if (response.status === 409) throw new DOMException(await response.text(), "AbortError");
     if (!response.ok) throw new Error(await response.text());
     return response;
   };

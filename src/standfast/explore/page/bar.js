@@ -92,6 +92,8 @@ export function showScale(canvas, quantity, scale, look) {
   context.scale(ratio, ratio);
   drawBar(context, width, quantity, scale, look);
   const ends = `${shortNumber(scale.low)} to ${shortNumber(scale.high)}`;
-  const words = scale.kind === "flags" ? "falls, hatched, and stands" : `colours from ${ends}`;
+  const falls = scale.hatched ? ", hatched: falls" : "";
+  const words =
+    scale.kind === "flags" ? "falls, hatched, and stands" : `colours from ${ends}${falls}`;
   canvas.setAttribute("aria-label", `${labelOf(quantity)}: ${words}`);
 }

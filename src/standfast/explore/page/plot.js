@@ -42,11 +42,11 @@ export class Plot {
     return this.#sources.get(name);
   }
 
-  /** Pixels of an image, as an array of Bokeh that looks into them. */
+  /** Pixels of an image, as an array of Bokeh that looks into their memory: a copy would not change. */
   imageOf(pixels, side) {
     const { data } = this.source("image");
     const [old] = data instanceof Map ? data.get("image") : data.image;
-    return new old.constructor(pixels, [side, side]);
+    return new old.constructor(pixels.buffer, [side, side]);
   }
 
   /**

@@ -9,6 +9,7 @@ export const SIDE = 401;
 const SIDES = [SIDE, 201, 101];
 const COARSE = 41; // of what the program computes while a slider moves
 const BUDGET = 12; // ms, for the values of one picture
+const RECENT = 6; // planes, the quickest of which says what one takes
 const STANDING_SIDE = 201;
 const LIMIT_SIDE = 101;
 
@@ -121,7 +122,7 @@ export class Planes {
   }
 
   #affordable(sort) {
-    const cost = this.#cost.get(sort) ?? 0;
+    const cost = Math.min(...(this.#cost.get(sort) ?? [0]));
     return SIDES.find((side) => cost * side * side <= BUDGET) ?? SIDES.at(-1);
   }
 
@@ -134,9 +135,9 @@ export class Planes {
     const formula = this.#formulas[way][name];
     formula.plane(this.#person, slotOf(slots, state.x), xs, slotOf(slots, state.y), ys, values);
     const each = (performance.now() - began) / values.length;
-    // an average of the last ones: the first run before the browser has compiled them
+    // the last few: the first run before the browser has compiled them, others while it is busy
     const sort = this.#sort(state, way, name);
-    this.#cost.set(sort, 0.5 * (each + (this.#cost.get(sort) ?? each)));
+    this.#cost.set(sort, [...(this.#cost.get(sort) ?? []).slice(1 - RECENT), each]);
     return { values, xs, ys };
   }
 

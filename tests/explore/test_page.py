@@ -7,11 +7,11 @@ from importlib.resources import files
 
 import numpy as np
 import pytest
-from axe_playwright_python.sync_playwright import Axe
 from PIL import Image
 
 import standfast as sf
-from explore_content import STARTS, embedded_content, springs_content
+from explore_content import STARTS, springs_content
+from explore_page import picture, rest, slide, table
 from standfast.anthropometry.body import REFERENCE_PEOPLE
 from standfast.cli.app import main
 from standfast.explore import page as pages
@@ -19,62 +19,6 @@ from standfast.quantities import QUANTITIES
 from standfast.quantities.row import Person
 
 SHOWN_DIGITS = 2e-3  # four digits are shown
-PAINTED = "new Promise(done => requestAnimationFrame(() => setTimeout(done, 60)))"
-
-
-@pytest.fixture(scope="module")
-def springs_file(tmp_path_factory):
-    return written(tmp_path_factory, springs_content())
-
-
-@pytest.fixture(scope="module")
-def atlas_file(tmp_path_factory):
-    return written(tmp_path_factory, embedded_content())
-
-
-def written(factory, content):
-    path = factory.mktemp("page") / "page.html"
-    path.write_text(pages.page_html(content), encoding="utf-8")
-    return path
-
-
-@pytest.fixture
-def opened(browser_page):
-    """Open a page at some state; it must be quiet and ask for nothing."""
-
-    def open_page(path, state="", *, still=True, dark=False, size=(1400, 900)):
-        page = browser_page.page
-        page.set_viewport_size({"width": size[0], "height": size[1]})
-        page.emulate_media(
-            color_scheme="dark" if dark else "light",
-            reduced_motion="reduce" if still else "no-preference",
-        )
-        page.goto(f"{path.as_uri()}{'#' if state else ''}{state}")
-        page.wait_for_selector("html[data-ready]", state="attached")
-        rest(page)
-        return page
-
-    yield open_page
-    assert browser_page.console_errors == []
-    assert {address.split(":")[0] for address in browser_page.requests} <= {"file", "data", "blob"}
-
-
-def rest(page):
-    """Wait until the page has drawn its state in full."""
-    page.wait_for_timeout(350)
-    page.evaluate(PAINTED)
-
-
-def slide(page, name, value):
-    slider = page.locator(f"#p-{name}")
-    slider.evaluate(
-        "(slider, value) => { slider.value = value; slider.dispatchEvent(new Event('input')); }",
-        value,
-    )
-
-
-def picture(page):
-    return page.locator("#map").screenshot()
 
 
 def adult(**changes):
@@ -86,12 +30,6 @@ def expected(name, **changes):
     row = QUANTITIES[name]
     person = adult(**changes)
     return float(row.pick(person, row.reference(person)))
-
-
-def table(page):
-    rows = page.locator("#margins tr").all_inner_texts()
-    pairs = (row.replace("−", "-").split("\t") for row in rows)
-    return {name.strip(): float(value.split()[0]) for name, value in pairs}
 
 
 def test_it_is_one_file_below_three_megabytes_and_asks_for_nothing(springs_file, opened):
@@ -188,18 +126,6 @@ def test_numbers_on_the_page_are_those_of_the_package(springs_file, opened, chan
     needed = page.locator("#bars li").first.inner_text()
     wanted = expected("critical_ankle_stiffness", **changes)
     assert float(re.search(r"needs ([\d.]+)", needed)[1]) == pytest.approx(wanted, rel=SHOWN_DIGITS)
-
-
-@pytest.mark.parametrize(
-    "name", ["ankle_stiffness", "knee_stiffness", "hip_stiffness", "gravity", "height", "mass"]
-)
-def test_every_slider_moves_map_figure_and_numbers(springs_file, opened, name):
-    page = opened(springs_file)
-    before = picture(page), page.inner_html("#figure-of-person"), page.inner_text("#margins")
-    slide(page, name, 1.4 if name == "height" else 8.0 if name == "gravity" else 110.0)
-    rest(page)
-    after = picture(page), page.inner_html("#figure-of-person"), page.inner_text("#margins")
-    assert all(one != other for one, other in zip(before, after, strict=True))
 
 
 @pytest.mark.parametrize(
@@ -340,7 +266,7 @@ def test_what_is_taken_home(springs_file, opened):
         page.click("#numbers")
     lines = numbers.value.path().read_text(encoding="utf-8").splitlines()
     assert "# knee_stiffness = rigid" in lines
-    assert "# gravity = 9.807 m/s²" in lines
+    assert "# gravity = 9.80665 m/s²" in lines
     heads = next(line for line in lines if not line.startswith("#"))
     assert heads.startswith("ankle_stiffness (N·m/rad),hip_stiffness (N·m/rad),critical_hip_stiff")
     at = lines.index(heads)
@@ -404,26 +330,3 @@ def test_segments_of_ones_own_may_be_axes_of_an_atlas(tmp_path, opened):
     stored = float(atlas["safety_factor"][2, 1, 1])
     assert atlas["safety_factor"].dims[0] == "upper_body_mass"
     assert table(page)["Safety factor"] == pytest.approx(stored, rel=SHOWN_DIGITS)
-
-
-def test_feedback_of_one_joint_is_live_and_of_several_needs_the_program(springs_file, opened):
-    gains = "ankle_proportional_gain=900&ankle_derivative_gain=250&feedback_delay=0.1"
-    rigid = "knee_stiffness=inf&hip_stiffness=inf&ankle_stiffness=400"
-    plane = "x=feedback_delay&y=ankle_proportional_gain"
-    page = opened(springs_file, f"{gains}&{rigid}&{plane}&quantity=critical_delay")
-    assert page.inner_text("#verdict").startswith("Stands with feedback.")
-    assert "Critical delay" in page.inner_text("#margins")
-    assert page.inner_text("#word") == ""
-    page.goto(f"{springs_file.as_uri()}#{gains}")
-    rest(page)
-    assert "needs the program" in page.inner_text("#word")
-
-
-@pytest.mark.parametrize("dark", [False, True])
-@pytest.mark.parametrize("size", [(1400, 900), (360, 800)])
-def test_no_barrier_is_found_by_axe(springs_file, opened, dark, size):
-    page = opened(springs_file, "ankle_stiffness=500", dark=dark, size=size)
-    page.evaluate("for (const box of document.querySelectorAll('details')) box.open = true")
-    found = Axe().run(page)
-    assert found.violations_count == 0, found.generate_report()
-    assert page.evaluate("document.documentElement.scrollWidth") <= size[0]

@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import expect
 
 import standfast as sf
@@ -50,7 +51,7 @@ def served(tmp_path, browser_page):
     assert all(re.match(r"(http://127\.0\.0\.1:|data:|blob:)", origin) for origin in origins)
 
 
-def test_planes_of_an_atlas_arrive_and_a_slider_changes_them(served, tmp_path):
+def test_planes_of_an_atlas_arrive_and_a_slider_changes_them(served, browser_page, tmp_path):
     sf.sweep(sf.Study.from_dict(ATLAS), tmp_path / "small.h5")
     page = served(str(tmp_path / "small.h5"))
     page.wait_for_selector("#computing", state="hidden")
@@ -67,6 +68,37 @@ def test_planes_of_an_atlas_arrive_and_a_slider_changes_them(served, tmp_path):
     body = sf.Body.from_height_mass(1.753, 75.3, "edwards2007")
     alone = float(sf.safety_factor(body, sf.Stiffness(ankle, 800.0, hip)))
     assert factor == pytest.approx(alone, rel=COMPILED_ROUNDING)
+    page.evaluate("for (const box of document.querySelectorAll('details')) box.open = true")
+    found = Axe().run(page)
+    assert found.violations_count == 0, found.generate_report()
+    refuses_others(page, browser_page)
+
+
+ASKED = """async ([address, token]) => {
+  const headers = { "Content-Type": "application/json", "X-Standfast-Token": token };
+  const body = JSON.stringify({ quantity: "safety_factor", x: "ankle_stiffness",
+    y: "hip_stiffness", at: { knee_stiffness: 0 } });
+  try {
+    return (await fetch(`${address}/atlas`, { method: "POST", headers, body })).status;
+  } catch (error) {
+    return error.name;
+  }
+}"""
+
+
+def refuses_others(page, browser_page):
+    """A wrong token is refused, and a page from elsewhere with the right one."""
+    address, token = re.match(r"(http://[^/]+)/\?token=([^#]+)", page.url).groups()
+    assert browser_page.console_errors == []
+    assert page.evaluate(ASKED, [address, token]) == 200
+    assert page.evaluate(ASKED, [address, "wrong"]) == 403
+    page.goto("data:text/html,<p>from elsewhere</p>")
+    assert page.evaluate(ASKED, [address, token]) == "TypeError"
+    # the browser says so, too
+    said = [re.search(r"403|CORS|ERR_FAILED", error) for error in browser_page.console_errors]
+    assert said
+    assert all(said)
+    browser_page.console_errors.clear()
 
 
 def test_feedback_of_two_joints_is_computed_by_the_program(served):

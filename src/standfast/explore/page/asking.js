@@ -41,23 +41,38 @@ export class Newest {
   #failed;
   #running = null;
   #next = null;
+  #refused = new Map();
+  #place = null;
   key = null;
   answer = null;
 
   /**
    * @param {(question: object, signal: AbortSignal) => Promise<object>} ask
-   * @param {() => void} arrived called when there is a new answer
+   * @param {() => void} arrived called when there is a new answer, or none will come
    * @param {(sentence: string) => void} failed
    */
-  constructor(ask, arrived, failed) {
+  constructor(ask, arrived, failed = () => {}) {
     this.#ask = ask;
     this.#arrived = arrived;
     this.#failed = failed;
   }
 
-  /** Want the answer to a question with a key; what is known so far is `answer`, of `key`. */
-  want(key, question, long = false) {
-    if (this.#running?.key === key || (!this.#running && this.key === key)) {
+  /** The sentence with which the question of a key was refused, if it was. */
+  refusal(key) {
+    return this.#refused.get(key);
+  }
+
+  /**
+   * Want the answer to a question with a key; what is known so far is `answer`, of `key`. What was
+   * refused is asked again only once a question of another place has been wanted.
+   */
+  want(key, question, { long = false, place = key } = {}) {
+    if (place !== this.#place) {
+      this.#place = place;
+      this.#refused.clear();
+    }
+    const had = !this.#running && this.key === key;
+    if (had || this.#running?.key === key || this.#refused.has(key)) {
       this.#next = null;
       return;
     }
@@ -76,9 +91,7 @@ export class Newest {
         this.key = key;
       } catch (error) {
         if (error.name !== "AbortError") {
-          // not asked again until it changes
-          this.key = key;
-          this.answer = null;
+          this.#refused.set(key, error.message);
           this.#failed(error.message);
         }
       }

@@ -1,5 +1,6 @@
 /** What the reader has chosen, and how it stands in the address. */
-import { axesOf, encoded, shortNumber } from "./content.js";
+import { axesOf, encoded, finiteStops, shortNumber } from "./content.js";
+import { axisOf, windowOf } from "./frame.js";
 
 /** The state that the page opens with. */
 export function startState(content) {
@@ -44,6 +45,9 @@ export function stateOf(content, hash) {
     else ignored.push(part);
   }
   if (state.x === state.y) Object.assign(state, { x: content.start.x, y: content.start.y });
+  if (state.window) {
+    state.window = windowOf(state, axisOf(content, state.x), axisOf(content, state.y));
+  }
   return { state, ignored };
 }
 
@@ -83,10 +87,13 @@ export function checkedValue(row, text) {
   return value >= row.lowest && value <= row.highest ? value : undefined;
 }
 
-/** The range of a parameter in words, for whoever typed a number beyond it. */
+/** The range of a parameter in words, for whoever typed what it cannot have. */
 export function allowedWords(row) {
   const unit = row.unit === "1" ? "" : ` ${row.unit}`;
-  return `${shortNumber(row.lowest)} to ${shortNumber(row.highest)}${unit}`;
+  const stops = finiteStops(row);
+  const [low, high] = stops.length ? [stops[0], stops.at(-1)] : [row.lowest, row.highest];
+  const rigid = row.stops.includes(Number.POSITIVE_INFINITY) ? ", or rigid" : "";
+  return `${shortNumber(low)} to ${shortNumber(high)}${unit}${rigid}`;
 }
 
 /** The stop that lies nearest to a value. */

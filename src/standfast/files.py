@@ -73,8 +73,8 @@ def whole_file(path: Path, *, synced: bool = False) -> Iterator[Path]:
         sync_folder(path.parent)
 
 
-def require_replaceable(table: Path, header: str) -> None:
-    """Refuse a name under which anything lies but a table with this ``header``.
+def require_replaceable(table: Path, header: str, kind: str = "table") -> None:
+    """Refuse a name under which anything lies but a table, or another kind, with this ``header``.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def require_replaceable(table: Path, header: str) -> None:
     whole_names = first[len(header) :][:1] in ("", ",", "\r", "\n")
     if not first.startswith(header) or not whole_names:
         raise InputError(
-            f"{table} is there and is no table of standfast of this kind; choose another name or "
+            f"{table} is there and is no {kind} of standfast of this kind; choose another name or "
             "remove it"
         )
 

@@ -1,7 +1,9 @@
 """Planes of an atlas as the page asks for them, and the part of it that a page holds."""
 
 import base64
+import threading
 import zlib
+from concurrent.futures import CancelledError
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from standfast.explore.planes import Planes
 
 ANKLE, KNEE, HIP = "ankle_stiffness", "knee_stiffness", "hip_stiffness"
 LENGTHS = {KNEE: 70, HIP: 71, ANKLE: 72, "gravity": 2}
+SECONDS = 20.0  # after which a test that waits fails
 QUANTITIES = ("stable", "safety_factor", "critical_ankle_stiffness")
 
 
@@ -90,6 +93,47 @@ def test_the_slab_beside_is_read_ahead_where_the_slider_goes(shown):
     assert [sorted(slab) for slab in reads] == [[(0, 2), (half, 2 * half)]]
 
 
+def test_a_read_that_fails_once_is_done_again(shown, monkeypatch):
+    read = planes.Variable.__getitem__
+    failures = [OSError("the disk was asleep")]
+
+    def once(variable, box):
+        if failures:
+            raise failures.pop()
+        return read(variable, box)
+
+    monkeypatch.setattr(planes.Variable, "__getitem__", once)
+    asked = "stable", KNEE, HIP, {ANKLE: 3, "gravity": 0}
+    with pytest.raises(OSError, match="asleep"):
+        shown.plane(*asked)
+    assert shown.plane(*asked).shape == (LENGTHS[HIP], LENGTHS[KNEE])
+
+
+def test_who_waits_for_what_is_read_ahead_ends_with_the_planes(shown):
+    def plane(place):
+        return shown.plane("safety_factor", KNEE, HIP, {ANKLE: place, "gravity": 0})
+
+    go = threading.Event()
+    shown.reader.submit(go.wait, SECONDS)
+    ended = []
+
+    def wait():
+        with pytest.raises(CancelledError):
+            plane(LENGTHS[ANKLE] - 1)
+        ended.append(True)
+
+    for place in (0, 1):
+        plane(place)
+    waiting = threading.Thread(target=wait, daemon=True)
+    waiting.start()
+    waiting.join(0.2)
+    assert waiting.is_alive()
+    shown.close()
+    waiting.join(SECONDS)
+    go.set()
+    assert ended
+
+
 @pytest.mark.parametrize(("asked", "words"), [
     (("stabel", ANKLE, HIP, {}), "did you mean 'stable'"),
     (("stable", "ankle", HIP, {}), "no axis 'ankle'; did you mean 'ankle_stiffness'"),
@@ -106,8 +150,13 @@ def test_what_cannot_be_shown_is_said(shown, asked, words):
         shown.plane(*asked)
 
 
+def start_in(study, place):
+    return {name: axis[min(place, len(axis) - 1)].item() for name, axis in study.axes.items()}
+
+
 def test_a_small_atlas_is_embedded_whole(atlas):
-    places = embedding.thinned(atlas.study, QUANTITIES, (ANKLE, HIP), 10**9)
+    start = start_in(atlas.study, 0)
+    places = embedding.thinned(atlas.study, QUANTITIES, (ANKLE, HIP), 10**9, start=start)
     assert embedding.left_out(atlas.study, places) == ""
     texts = embedding.embedded(atlas, QUANTITIES, (ANKLE, HIP), places)
     for name in QUANTITIES:
@@ -118,7 +167,8 @@ def test_a_small_atlas_is_embedded_whole(atlas):
 
 def test_a_large_atlas_is_thinned_evenly_beside_its_map(atlas):
     most = 2_000_000
-    places = embedding.thinned(atlas.study, QUANTITIES, (ANKLE, HIP), most)
+    start = start_in(atlas.study, 0)
+    places = embedding.thinned(atlas.study, QUANTITIES, (ANKLE, HIP), most, start=start)
     assert len(places[ANKLE]) == 72
     assert len(places[HIP]) == 71
     knees = places[KNEE]
@@ -137,6 +187,9 @@ def test_a_large_atlas_is_thinned_evenly_beside_its_map(atlas):
 
 
 def test_a_plane_that_is_too_large_is_thinned_last(atlas):
-    places = embedding.thinned(atlas.study, ["safety_factor"], (ANKLE, HIP), 8 * 60 * 60)
-    assert len(places[KNEE]) == len(places["gravity"]) == 1
+    start, most = start_in(atlas.study, 50), 8 * 60 * 60
+    places = embedding.thinned(atlas.study, ["safety_factor"], (ANKLE, HIP), most, start=start)
+    # where one value is left it is that of the start, and not the first, at which most fall
+    assert places[KNEE].tolist() == [50]
+    assert places["gravity"].tolist() == [1]
     assert 50 < len(places[ANKLE]) < 72

@@ -52,7 +52,7 @@ def served(tmp_path, browser_page):
     assert all(re.match(r"(http://127\.0\.0\.1:|data:|blob:)", origin) for origin in origins)
 
 
-def test_planes_of_an_atlas_arrive_and_a_slider_changes_them(served, tmp_path):
+def test_planes_of_an_atlas_arrive_and_a_slider_changes_them(served, browser_page, tmp_path):
     sf.sweep(sf.Study.from_dict(ATLAS), tmp_path / "small.h5")
     page = served(str(tmp_path / "small.h5"))
     page.wait_for_selector("#computing", state="hidden")
@@ -69,6 +69,37 @@ def test_planes_of_an_atlas_arrive_and_a_slider_changes_them(served, tmp_path):
     body = sf.Body.from_height_mass(1.753, 75.3, "edwards2007")
     alone = float(sf.safety_factor(body, sf.Stiffness(ankle, 800.0, hip)))
     assert factor == pytest.approx(alone, rel=COMPILED_ROUNDING)
+    page.evaluate("for (const box of document.querySelectorAll('details')) box.open = true")
+    found = Axe().run(page)
+    assert found.violations_count == 0, found.generate_report()
+    refuses_others(page, browser_page)
+
+
+ASKED = """async ([address, token]) => {
+  const headers = { "Content-Type": "application/json", "X-Standfast-Token": token };
+  const body = JSON.stringify({ quantity: "safety_factor", x: "ankle_stiffness",
+    y: "hip_stiffness", at: { knee_stiffness: 0 } });
+  try {
+    return (await fetch(`${address}/atlas`, { method: "POST", headers, body })).status;
+  } catch (error) {
+    return error.name;
+  }
+}"""
+
+
+def refuses_others(page, browser_page):
+    """A wrong token is refused, and a page from elsewhere with the right one."""
+    address, token = re.match(r"(http://[^/]+)/\?token=([^#]+)", page.url).groups()
+    assert browser_page.console_errors == []
+    assert page.evaluate(ASKED, [address, token]) == 200
+    assert page.evaluate(ASKED, [address, "wrong"]) == 403
+    page.goto("data:text/html,<p>from elsewhere</p>")
+    assert page.evaluate(ASKED, [address, token]) == "TypeError"
+    # the browser says so, too
+    said = [re.search(r"403|CORS|ERR_FAILED", error) for error in browser_page.console_errors]
+    assert said
+    assert all(said)
+    browser_page.console_errors.clear()
 
 
 def test_feedback_of_two_joints_is_computed_by_the_program(served):
@@ -110,3 +141,24 @@ def test_sway_is_shown_in_the_units_of_the_field(served):
     page.fill("#n-ankle_stiffness", "100")
     page.press("#n-ankle_stiffness", "Enter")
     expect(page.locator("#sway-words")).to_have_text("The person falls, and so has no sway.")
+
+
+def test_a_plane_that_a_newer_one_ended_is_asked_again_in_silence(served, browser_page):
+    ended = []
+
+    def refuse_once(route):
+        ended.append(route.request.headers["x-standfast-page"])
+        if len(ended) == 1:
+            route.fulfill(status=409, content_type="text/plain", body="a newer plane")
+        else:
+            route.continue_()
+
+    browser_page.page.route("**/live", refuse_once)
+    state = f"{GAINS}&feedback_delay=0.05&quantity=decay_rate"
+    page = served("--person", "ankle=700", state=state)
+    page.wait_for_selector("#bar:not([hidden])", timeout=COMPILED)
+    assert len(ended) > 1
+    assert len(set(ended)) == 1
+    assert page.inner_text("#status") == ""
+    # the browser itself writes down every answer that is no success
+    browser_page.console_errors[:] = [e for e in browser_page.console_errors if "409" not in e]

@@ -4,6 +4,7 @@ import asyncio
 import http.client
 import json
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -29,7 +30,12 @@ class StandIns:
             raise sf.InputError("100 % odd")
         return np.arange(6, dtype=np.uint8).reshape(3, 2) + at["knee_stiffness"]
 
+    def are_few(self, asked):
+        return asked.get("few", False)
+
     def planes(self, asked, go_on):
+        if self.are_few(asked):
+            return [np.array([2.5])]
         self.begun.release()
         self.go.wait(SECONDS)
         go_on()
@@ -88,6 +94,14 @@ def address(stand_ins):
     yield found
     stand_ins.go.set()
     found.close()
+
+
+def soon(holds):
+    """Wait until something holds, and return whether it came to that."""
+    end = time.monotonic() + SECONDS
+    while not holds() and time.monotonic() < end:
+        time.sleep(0.01)
+    return holds()
 
 
 PLANE = {"quantity": "stable", "x": "ankle_stiffness", "y": "hip_stiffness"}
@@ -160,9 +174,10 @@ def test_every_answer_has_the_headers(address, method, path):
     assert headers["X-Content-Type-Options"] == "nosniff"
     assert headers["Cache-Control"] == "no-store"
     assert headers["Referrer-Policy"] == "no-referrer"
-    policy = headers["Content-Security-Policy"]
-    assert "default-src 'none'" in policy
+    policy = headers["Content-Security-Policy"].split("; ")
     assert "frame-ancestors 'none'" in policy
+    # the page says itself what it may do
+    assert ("default-src 'none'" in policy) == (path != f"/?token={TOKEN}")
     assert "Server" not in headers
 
 
@@ -239,7 +254,7 @@ def test_a_newer_plane_ends_the_older_and_others_are_answered_meanwhile(address,
     assert stand_ins.begun.acquire(timeout=SECONDS)
     assert address("GET", f"/?token={TOKEN}")[0] == 200
     assert address("POST", "/person", {})[0] == 200
-    first = address.served.newest
+    (first,) = address.served.newest.values()
     newer = []
     again = threading.Thread(target=lambda: newer.append(address("POST", "/live", {})))
     again.start()
@@ -249,6 +264,37 @@ def test_a_newer_plane_ends_the_older_and_others_are_answered_meanwhile(address,
     again.join(SECONDS)
     assert older[0][0] == 409
     assert newer[0][0] == 200
+    assert address.served.newest == {}
+
+
+def test_another_page_does_not_end_the_plane_of_this_one(address, stand_ins):
+    stand_ins.go.clear()
+    found = {}
+
+    def ask(page):
+        found[page] = address("POST", "/live", {}, X_Standfast_Page=page)[0]
+
+    asking = [threading.Thread(target=ask, args=(page,)) for page in ("one", "other")]
+    asking[0].start()
+    assert stand_ins.begun.acquire(timeout=SECONDS)
+    asking[1].start()
+    assert soon(lambda: len(address.served.newest) == 2)
+    stand_ins.go.set()
+    for thread in asking:
+        thread.join(SECONDS)
+    assert found == {"one": 200, "other": 200}
+
+
+def test_few_points_do_not_wait_for_many(address, stand_ins):
+    stand_ins.go.clear()
+    many = threading.Thread(target=lambda: address("POST", "/live", {}))
+    many.start()
+    assert stand_ins.begun.acquire(timeout=SECONDS)
+    status, _, content = address("POST", "/live", {"few": True})
+    assert not stand_ins.go.is_set()
+    assert (status, np.frombuffer(content, "<f8")) == (200, 2.5)
+    stand_ins.go.set()
+    many.join(SECONDS)
 
 
 def test_who_went_away_is_waited_for_no_longer(address, stand_ins):
@@ -256,8 +302,9 @@ def test_who_went_away_is_waited_for_no_longer(address, stand_ins):
     connection = http.client.HTTPConnection("127.0.0.1", address.served.port, timeout=SECONDS)
     connection.request("POST", "/live", b"{}", {"X-Standfast-Token": TOKEN})
     assert stand_ins.begun.acquire(timeout=SECONDS)
+    (superseded,) = address.served.newest.values()
     connection.close()
-    assert address.served.newest.wait(SECONDS)
+    assert superseded.wait(SECONDS)
 
 
 def test_a_port_that_is_taken_is_said():

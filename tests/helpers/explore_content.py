@@ -1,13 +1,14 @@
-"""What a page is told, made by hand: springs of the nominal adult, or a small atlas embedded."""
+"""What a page is told: springs of a nominal adult, or a small atlas whose values are made up."""
 
 import base64
 import zlib
+from typing import Any
 
 import numpy as np
 
-from standfast.anthropometry.body import REFERENCE_PEOPLE
-from standfast.parameters import NOISES, OWN_BODY, PARAMETERS, STIFFNESSES
-from standfast.quantities import QUANTITIES
+import standfast as sf
+from standfast.explore.content import chosen_quantities, content_of
+from standfast.explore.sliders import start_of
 
 STARTS = {
     "gravity": 9.80665,
@@ -18,122 +19,59 @@ STARTS = {
     "knee_stiffness": 1200.0,
     "hip_stiffness": 600.0,
 }
-SPANS = {
-    "gravity": (1.0, 15.0, 0.01),
-    "height": (1.2, 2.1, 0.001),
-    "mass": (30.0, 150.0, 0.1),
-    "feedback_delay": (0.0, 0.5, 0.001),
+BODY = {"model": "edwards2007", "height": 1.753, "mass": 75.3}
+SPRINGS: dict[str, Any] = {
+    "title": "Standing of the nominal adult",
+    "body": BODY,
+    "stiffness": {
+        "ankle": {"start": 0.0, "stop": 3000.0, "num": 61},
+        "knee": 1200.0,
+        "hip": {"start": 0.0, "stop": 3000.0, "num": 61},
+    },
+    "output": {"quantities": ["safety_factor"]},
 }
-SHOWN = ("ankle_stiffness", "hip_stiffness")
+SUBJECTS = [
+    {"label": "Anna", "values": {"ankle_stiffness": 700.0, "hip_stiffness": 350.0}},
+    {"label": "B <b>", "values": {"ankle_stiffness": 2200.0, "hip_stiffness": 900.0}},
+]
+ATLAS: dict[str, Any] = {
+    "title": "A small atlas",
+    "body": BODY,
+    "stiffness": {
+        "ankle": [200.0, 500.0, 900.0, 1500.0, 3000.0],
+        "knee": [600.0, 1200.0, np.inf],
+        "hip": [100.0, 200.0, 400.0, 800.0, 1600.0, 3200.0],
+    },
+}
 
 
-def people() -> dict:
-    """Reference people, with the numbers of each segment by name."""
-    found = {}
-    for name, person in REFERENCE_PEOPLE.items():
-        numbers = [float(number) for part in person.body for number in part]
-        size = {"height": float(person.height), "mass": float(person.mass)}
-        found[name] = {**dict(zip(OWN_BODY, numbers, strict=True)), **size}
-    return found
-
-
-def _parameter(name: str) -> dict:
-    row = PARAMETERS[name]
-    base = {
-        "name": name,
-        "words": row.words,
-        "symbol": row.symbol,
-        "unit": row.unit,
-        "meaning": row.meaning,
-        "section": row.section,
-        "lowest": row.lowest if np.isfinite(row.lowest) else "-inf",
-        "highest": row.highest if np.isfinite(row.highest) else "inf",
-        "or_rigid": row.or_rigid,
-        "choices": list(row.choices),
-        "start": STARTS.get(name, row.default),
-    }
-    if row.choices:
-        return {**base, "kind": "choice"}
-    low, high, step = SPANS.get(name, _span(name))
-    return {**base, "kind": "range", "from": low, "to": high, "step": step}
-
-
-def _span(name: str) -> tuple[float, float, float]:
-    if name in STIFFNESSES:
-        return 0.0, 3000.0, 1.0
-    return (0.0, 100.0, 0.5) if name.endswith("damping") else (-500.0, 2000.0, 1.0)
-
-
-def _quantity(row, axes=None) -> dict:
-    return {
-        "name": row.name,
-        "words": row.words,
-        "symbol": row.symbol,
-        "unit": row.unit,
-        "meaning": row.meaning,
-        "dtype": row.dtype,
-        "flags": list(row.flags),
-        "limit": row.limit,
-        "of_nerves": row.reference is None,
-        "of_noise": row.reference is None and any(map(row.depends_on, NOISES)),
-        "axes": axes,
-    }
-
-
-def springs_content(**changes) -> dict:
+def springs_content(**changes: Any) -> dict[str, Any]:
     """Springs and nerves of the nominal adult, computed in the page."""
-    names = [name for name in PARAMETERS if name not in (*OWN_BODY, "bmi")]
-    content = {
-        "title": "Standing of the nominal adult",
-        "version": "0.0",
-        "served": False,
-        "token": None,
-        "source": "formulas",
-        "parameters": [_parameter(name) for name in names],
-        "people": people(),
-        "quantities": [_quantity(row) for row in QUANTITIES.values() if not row.own],
-        "has_nerves": True,
-        "embedded": None,
-        "subjects": [
-            {"label": "Anna", "values": {"ankle_stiffness": 700, "hip_stiffness": 350}},
-            {"label": "B <b>", "values": {"ankle_stiffness": 2200, "hip_stiffness": 900}},
-        ],
-        "start": {"x": "ankle_stiffness", "y": "hip_stiffness", "quantity": "safety_factor"},
-    }
+    study = sf.Study.from_dict(SPRINGS)
+    content = content_of(
+        study,
+        start=start_of(study, STARTS),
+        quantities=chosen_quantities(study, (), live=True),
+        subjects=SUBJECTS,
+    )
     return {**content, **changes}
 
 
-def embedded_content() -> dict:
-    """A small atlas of unequal axes, one of them by factors and one with a rigid joint."""
-    stops = {
-        "ankle_stiffness": [200.0, 500.0, 900.0, 1500.0, 3000.0],
-        "knee_stiffness": [600.0, 1200.0, np.inf],
-        "hip_stiffness": [100.0, 200.0, 400.0, 800.0, 1600.0, 3200.0],
-    }
-    ankle, knee, hip = np.meshgrid(*stops.values(), indexing="ij")
+def embedded_content(**more: Any) -> dict[str, Any]:
+    """An atlas of unequal axes, one of them by factors and one with a rigid joint.
+
+    ``more`` are other values by quantity, each (5, 3, 6), and sections of the study.
+    """
+    sections = {name: more.pop(name) for name in [*more] if isinstance(more[name], dict)}
+    names = ["safety_factor", "stable"] if not more else [*more]
+    study = sf.Study.from_dict({**ATLAS, **sections, "output": {"quantities": names}})
+    ankle, knee, hip = np.meshgrid(*study.axes.values(), indexing="ij")
     with np.errstate(all="ignore"):
         factor = np.minimum(np.minimum(ankle / 800.0, knee / 500.0), hip / 300.0)
-    values = {"safety_factor": factor, "stable": (factor > 1.0).astype(np.uint8)}
-    plain = springs_content()
-    parameters = []
-    for row in plain["parameters"]:
-        if row["name"] in stops:
-            said = ["inf" if np.isinf(stop) else stop for stop in stops[row["name"]]]
-            parameters.append({**row, "kind": "stops", "stops": said, "start": said[1]})
-        elif row["name"] in STARTS:
-            parameters.append({**row, "kind": "fixed"})
+    values = more or {"safety_factor": factor, "stable": (factor > 1.0).astype(np.uint8)}
     packed = {
         name: base64.b64encode(zlib.compress(np.ascontiguousarray(each).tobytes())).decode()
         for name, each in values.items()
     }
-    return springs_content(
-        title="A small atlas",
-        source="embedded",
-        parameters=parameters,
-        quantities=[_quantity(QUANTITIES[name], list(stops)) for name in values],
-        has_nerves=False,
-        embedded={
-            "axes": {row["name"]: row["stops"] for row in parameters if row["kind"] == "stops"},
-            "values": packed,
-        },
-    )
+    start = start_of(study, {"ankle_stiffness": 500.0, "hip_stiffness": 200.0}, stops=study.axes)
+    return content_of(study, start=start, quantities=names, stops=study.axes, embedded=packed)

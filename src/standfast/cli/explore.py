@@ -4,8 +4,10 @@ import argparse
 import contextlib
 import functools
 import math
+import os
 import secrets
 import sys
+import tempfile
 import threading
 import webbrowser
 from collections.abc import Iterator
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
 PAIR = "NAME=VALUE, as height=1.75"
 HIGHEST_PORT = 65_535
 ENDINGS = (".html", ".htm")
+BROWSER_SECONDS = 120.0  # after which a browser that has not asked for the page never will
 NEEDS = "explore needs {}: pip install 'standfast[explore]'"
 
 
@@ -63,6 +66,10 @@ def _port(text: str) -> int:
 def _explore(options: argparse.Namespace) -> None:
     if options.export is not None and options.export.suffix.lower() not in ENDINGS:
         raise InputError(f"{options.export} is not the name of a page; end it in .html")
+    if options.export is not None and not options.export.parent.is_dir():
+        raise InputError(f"there is no folder {options.export.parent} for {options.export.name}")
+    if options.export is not None and options.port:
+        raise InputError("--port is of a page that is served, and --export writes one to a file")
     _require_extra()
     with _source(options.source) as source:
         if options.export is not None:
@@ -148,14 +155,22 @@ def _serve(options: argparse.Namespace, study: "Study", atlas: "Atlas | None") -
     )
     own = {name: float(start[name]) for name in OWN_BODY if name in start}
     planes = None if atlas is None else Planes(atlas)
-    served = Served(page_html(told), token, functools.partial(_live, own), planes)
+
+    @functools.cache
+    def live() -> "Live":
+        """Make the engine ready, which takes a second, when it is first asked for."""
+        from standfast.explore.live import Live
+
+        return Live(own)
+
+    served = Served(page_html(told), token, live, planes)
     at = listening(options.port)
     address = f"http://{ADDRESS}:{at.getsockname()[1]}/?token={token}"
 
     def ready() -> None:
         print(f"Open {address}\nCtrl-C ends it", flush=True)
         if not options.no_browser:
-            threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+            threading.Thread(target=_open, args=(address, served.seen), daemon=True).start()
 
     try:
         serve(served, at, ready)
@@ -164,35 +179,47 @@ def _serve(options: argparse.Namespace, study: "Study", atlas: "Atlas | None") -
             planes.close()
 
 
-@functools.lru_cache(maxsize=1)
-def _engine(own: tuple[tuple[str, float], ...]) -> "Live":
-    from standfast.explore.live import Live
+def _open(address: str, seen: threading.Event) -> None:
+    """Open the browser at a file that leads to an address, and remove it once the page is seen.
 
-    return Live(dict(own))
-
-
-def _live(own: dict[str, float]) -> "Live":
-    """Make the engine ready, which takes a second, when it is first asked for."""
-    return _engine(tuple(own.items()))
+    All users of a machine can read with what a browser was started, and the address has the token.
+    The file lies in the home folder because packaged browsers may read neither hidden folders nor
+    that of temporary files.
+    """
+    home = Path.home()
+    place = home if os.access(home, os.W_OK) else None
+    with tempfile.TemporaryDirectory(prefix="standfast-explore-", dir=place) as folder:
+        page = Path(folder) / "open.html"
+        page.touch(mode=0o600)
+        page.write_text(
+            f'<!doctype html><meta http-equiv="refresh" content="0; url={address}">'
+            f'<title>standfast</title><a href="{address}">standfast explore</a>',
+            encoding="utf-8",
+        )
+        webbrowser.open(page.as_uri())
+        seen.wait(BROWSER_SECONDS)
 
 
 def _export(options: argparse.Namespace, study: "Study", atlas: "Atlas | None") -> None:
     from standfast.explore import content, embedding, sliders
-    from standfast.explore.page import page_html
-    from standfast.files import in_bytes, whole_file
+    from standfast.explore.page import BEGINNING, page_html
+    from standfast.files import in_bytes, require_replaceable, whole_file
 
     path: Path = options.export
+    require_replaceable(path, BEGINNING, "page")
     quantities = content.chosen_quantities(study, options.quantity, live=atlas is None)
+    person = _person(options)
     stops, embedded, remark = None, None, ""
     if atlas is not None:
         plane = content.plane_of(study, quantities[0], live=False)
-        places = embedding.thinned(study, quantities, plane, embedding.EMBEDDED_BYTES)
+        whole = sliders.start_of(study, person, stops=atlas.axes)
+        places = embedding.thinned(study, quantities, plane, embedding.EMBEDDED_BYTES, start=whole)
         stops = {name: axis[places[name]] for name, axis in atlas.axes.items()}
         embedded = embedding.embedded(atlas, quantities, plane, places)
         remark = embedding.left_out(study, places)
     told = content.content_of(
         study,
-        start=sliders.start_of(study, _person(options), stops=stops),
+        start=sliders.start_of(study, person, stops=stops),
         quantities=quantities,
         stops=stops,
         embedded=embedded,

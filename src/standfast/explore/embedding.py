@@ -16,12 +16,17 @@ EMBEDDED_BYTES = 24_000_000  # of the values; the text of a page takes a third m
 
 
 def thinned(
-    study: Study, quantities: Sequence[str], plane: Sequence[str], most: int
+    study: Study,
+    quantities: Sequence[str],
+    plane: Sequence[str],
+    most: int,
+    *,
+    start: Mapping[str, float | str],
 ) -> dict[str, np.ndarray]:
     """Return places of each axis, spread evenly, so that all values take ``most`` bytes at most.
 
     The longest of the axes that are not of the plane loses values first; those of the plane only
-    once each other one has a single value left.
+    once each other one has a single value left, that of ``start``, which has one of each axis.
     """
     counts = {name: len(axis) for name, axis in study.axes.items()}
     groups = [
@@ -38,6 +43,8 @@ def thinned(
         counts[longest] -= max(1, counts[longest] // 50)
     return {
         name: np.rint(np.linspace(0, len(axis) - 1, counts[name])).astype(int)
+        if counts[name] > 1 or len(axis) == 1
+        else np.flatnonzero(axis == start[name])
         for name, axis in study.axes.items()
     }
 

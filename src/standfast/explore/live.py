@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from standfast.atlas.memory import arrays_of
+from standfast.engine.delays import FEW
 from standfast.errors import InputError, nearest_name, shortened
 from standfast.mechanics.feedback import delay_of, equation_of
 from standfast.parameters import JOINTS, OWN_BODY, PARAMETERS
@@ -27,6 +28,17 @@ class Live:
 
     def __init__(self, own: Mapping[str, float]) -> None:
         self.own = own
+
+    def are_few(self, asked: Mapping[str, Any]) -> bool:
+        """Return whether a plane has so few points that nothing is compiled for its feedback.
+
+        Raises
+        ------
+        InputError
+            if its axes are wrong.
+        """
+        (_, xs), (_, ys) = _axes(asked)
+        return len(xs) * len(ys) <= FEW
 
     def planes(self, asked: Mapping[str, Any], go_on: Callable[[], object]) -> list[np.ndarray]:
         """Return quantities on a plane, each (len y, len x), float64.
@@ -90,11 +102,9 @@ class Live:
 
     def _study(self, asked: Mapping[str, Any]) -> tuple[Study, str, str]:
         """Check what is asked; return it as a study whose first axis is y, and names of x and y."""
-        for key in ("quantities", "x", "y", "parameters"):
-            if key not in asked:
-                raise InputError(f"{key} is missing in what is asked")
+        _require(asked, "quantities", "parameters")
         quantities = checked_quantities({"quantities": asked["quantities"]})
-        (x, xs), (y, ys) = (_axis(key, asked[key]) for key in ("x", "y"))
+        (x, xs), (y, ys) = _axes(asked)
         if x == y:
             raise InputError(f"a plane needs two axes, and {x} is given twice")
         if len(xs) * len(ys) > MOST_POINTS:
@@ -129,6 +139,18 @@ class Live:
             if not isinstance(found[name], float | str):
                 raise InputError(f"{name} has several values, and is no axis of the plane")
         return found
+
+
+def _require(asked: Mapping[str, Any], *keys: str) -> None:
+    for key in keys:
+        if key not in asked:
+            raise InputError(f"{key} is missing in what is asked")
+
+
+def _axes(asked: Mapping[str, Any]) -> list[tuple[str, Sequence[Any]]]:
+    """Check names and values of the axes of a plane, x and y."""
+    _require(asked, "x", "y")
+    return [_axis(key, asked[key]) for key in ("x", "y")]
 
 
 def _axis(key: str, given: Any) -> tuple[str, Sequence[Any]]:

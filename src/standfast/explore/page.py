@@ -1,8 +1,10 @@
 """The page as one file: template, style and scripts, the figures of Bokeh, and BokehJS itself."""
 
+import base64
+import hashlib
 import html
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from typing import Any
 
@@ -33,7 +35,11 @@ FOLDER = files("standfast.explore") / "page"
 START = "main.js"
 IMPORT = re.compile(r'^import\s*\{[^}]*\}\s*from\s*"\./([\w-]+\.js)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=(async |function|class|const|let))", re.MULTILINE)
-PLACE = re.compile(r"\{(title|version|style|bokeh|content|figures|script)\}")
+PLACE = re.compile(r"\{(policy|title|version|style|bokeh|content|figures|script)\}")
+
+
+# How a page begins, by which one is told from a file of somebody else's.
+BEGINNING = "<!doctype html><!-- a page of standfast explore -->"
 
 
 def page_html(content: Mapping[str, Any]) -> str:
@@ -43,16 +49,33 @@ def page_html(content: Mapping[str, Any]) -> str:
     markup or a script.
     """
     figures = {"map": json_item(_map()), "roots": json_item(_roots())}
+    bokeh = "\n".join(Resources("inline", components=["bokeh"], log_level="error").js_raw)
+    own = script(scripts())
     parts = {
+        "policy": policy((bokeh, own), served=content["served"]),
         "title": html.escape(str(content["title"])),
         "version": html.escape(str(content["version"])),
         "style": _text("page.css"),
-        "bokeh": "\n".join(Resources("inline", components=["bokeh"], log_level="error").js_raw),
+        "bokeh": bokeh,
         "content": content_text(content),
         "figures": content_text(figures),
-        "script": script(scripts()),
+        "script": own,
     }
     return PLACE.sub(lambda place: parts[place[1]], _text("page.html"))
+
+
+def policy(run: Sequence[str], *, served: bool) -> str:
+    """Return what a page may do: run these scripts and no other, and ask its program if it has one.
+
+    It stands in the page itself, so that it holds for a file too.
+    """
+    hashes = (hashlib.sha256(text.encode()).digest() for text in run)
+    allowed = " ".join(f"'sha256-{base64.b64encode(each).decode()}'" for each in hashes)
+    asked = "'self'" if served else "'none'"
+    return (
+        f"default-src 'none'; script-src {allowed}; style-src 'unsafe-inline'; "
+        f"img-src data: blob:; connect-src {asked}; base-uri 'none'; form-action 'none'"
+    )
 
 
 def scripts() -> dict[str, str]:

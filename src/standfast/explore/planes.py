@@ -68,8 +68,11 @@ class Planes:
         return np.broadcast_to(values, (len(axes[y]), len(axes[x])))
 
     def close(self) -> None:
-        """End reading ahead."""
+        """End reading ahead, and the waiting for what is not being read yet."""
         self.reader.shutdown(wait=False, cancel_futures=True)
+        with self._lock:
+            for future in self._kept.values():
+                future.cancel()
 
     def _slab_plane(
         self, variable: Variable, x: str, y: str, place: Mapping[str, int]
@@ -79,12 +82,12 @@ class Planes:
         slab = _slab_at(variable, x, y, place, sides)
         future, new = self._future(slab)
         if new:
-            _read(variable, slab, future)
+            self._read(variable, slab, future)
         values = future.result()
         if (ahead := self._beside(variable, slab, place)) is not None:
             future, new = self._future(ahead)
             if new:
-                self.reader.submit(_read, variable, ahead, future)
+                self.reader.submit(self._read, variable, ahead, future)
         starts = iter(slab[3])
         inside = tuple(
             place[name] - next(starts)[0] if name in place else slice(None)
@@ -92,6 +95,22 @@ class Planes:
         )
         plane: np.ndarray = values[inside]
         return plane
+
+    def _read(self, variable: Variable, slab: Slab, future: "Future[np.ndarray]") -> None:
+        """Read a slab; what goes wrong is told whoever waits for it, and the next reads it anew."""
+        if not future.set_running_or_notify_cancel():
+            return
+        ranges = iter(slab[3])
+        box = tuple(
+            slice(None) if name in slab[1:3] else slice(*next(ranges)) for name in variable.dims
+        )
+        try:
+            future.set_result(variable[box])
+        except BaseException as error:
+            with self._lock:
+                if self._kept.get(slab) is future:
+                    del self._kept[slab]
+            future.set_exception(error)
 
     def _future(self, slab: Slab) -> tuple["Future[np.ndarray]", bool]:
         """Return what a slab will be, and whether it must be read; forget those used long ago."""
@@ -172,15 +191,3 @@ def _slab_at(
         end = min(begin + chunks[name], lengths[name])
         ranges.append((low, min(low + sides[name], end)))
     return variable.quantity.name, min(x, y), max(x, y), tuple(ranges)
-
-
-def _read(variable: Variable, slab: Slab, future: "Future[np.ndarray]") -> None:
-    """Read a slab; what goes wrong is told whoever waits for it."""
-    ranges = iter(slab[3])
-    box = tuple(
-        slice(None) if name in slab[1:3] else slice(*next(ranges)) for name in variable.dims
-    )
-    try:
-        future.set_result(variable[box])
-    except BaseException as error:
-        future.set_exception(error)

@@ -1,7 +1,8 @@
 """The page and its answers on this machine alone: 127.0.0.1, with a random token.
 
 Every request must name this server as its host, which a page of another site that has its name
-point here cannot; none may come from another origin; and all but that of the page carry the token.
+point here cannot; none may come from another origin; and each carries the token, that for the page
+in its address, all others in a header.
 No path or name of a file comes from the browser.
 """
 
@@ -31,14 +32,10 @@ ADDRESS = "127.0.0.1"
 MOST_BYTES = 256_000  # of what a browser sends
 # What is larger Tornado refuses itself, before it is in memory.
 BUFFER_BYTES = 2**23
-POLICY = (
-    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
-    "img-src data: blob:; connect-src 'self'; worker-src blob:; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
-)
+FRAMES = "frame-ancestors 'none'"
 HEADERS = {
     "Cache-Control": "no-store",
-    "Content-Security-Policy": POLICY,
+    "Content-Security-Policy": f"default-src 'none'; {FRAMES}",
     "Cross-Origin-Resource-Policy": "same-origin",
     "Referrer-Policy": "no-referrer",
     "X-Content-Type-Options": "nosniff",
@@ -55,7 +52,9 @@ class Served:
     """What a server hands out, and the threads that compute it.
 
     ``page`` is the page's text, ``live`` makes the engine ready when it is first asked for;
-    ``planes`` is None without an atlas.
+    ``planes`` is None without an atlas. Planes of few points have a thread of their own (``few``),
+    so that none waits until one of ``many`` is compiled. ``newest`` holds by page what ends the
+    plane that is computed for it; ``seen`` is set once a browser has got the page, or none will.
     """
 
     page: str
@@ -63,10 +62,12 @@ class Served:
     live: Callable[[], "Live"]
     planes: "Planes | None" = None
     port: int = 0
-    newest: threading.Event = field(default_factory=threading.Event)
+    newest: dict[str, threading.Event] = field(default_factory=dict)
+    seen: threading.Event = field(default_factory=threading.Event)
     threads: dict[str, ThreadPoolExecutor] = field(
         default_factory=lambda: {
-            name: ThreadPoolExecutor(1, f"explore-{name}") for name in ("atlas", "live", "person")
+            name: ThreadPoolExecutor(1, f"explore-{name}")
+            for name in ("atlas", "few", "many", "person")
         }
     )
 
@@ -83,7 +84,9 @@ class Served:
 
     def close(self) -> None:
         """End what is being computed."""
-        self.newest.set()
+        self.seen.set()
+        for superseded in list(self.newest.values()):
+            superseded.set()
         for pool in self.threads.values():
             pool.shutdown(wait=False, cancel_futures=True)
 
@@ -210,9 +213,12 @@ class _Page(_Answer):
 
     def get(self) -> None:
         self.set_header("Content-Type", "text/html; charset=utf-8")
+        # what else the page may do it says itself, and the rule of frames cannot stand there
+        self.set_header("Content-Security-Policy", FRAMES)
         self.finish(self.served.page)
+        self.served.seen.set()
         # whoever looks at the page will ask soon, and the engine takes a second to get ready
-        self.served.threads["live"].submit(self.served.live)
+        self.served.threads["few"].submit(self.served.live)
 
 
 class _Asked(_Answer):
@@ -254,12 +260,19 @@ class _LivePlane(_Asked):
 
     async def post(self) -> None:
         asked = self.asked()
-        self.served.newest.set()
-        self.superseded = self.served.newest = threading.Event()
+        page, newest = self.request.headers.get("X-Standfast-Page", ""), self.served.newest
+        if page in newest:
+            newest[page].set()
+        self.superseded = newest[page] = threading.Event()
         try:
-            found = await self.computed("live", self.plane, asked, self.superseded)
+            are_few = await self.computed("few", lambda: self.served.live().are_few(asked))
+            thread = "few" if are_few else "many"
+            found = await self.computed(thread, self.plane, asked, self.superseded)
         except SupersededError:
             refuse(409, "a newer plane was asked for")
+        finally:
+            if newest.get(page) is self.superseded:
+                del newest[page]
         self.send(found)
 
     def plane(self, asked: dict[str, Any], superseded: threading.Event) -> list[np.ndarray]:

@@ -3,15 +3,21 @@ import { decoded } from "./content.js";
 
 /**
  * Return a function that asks the program and gives its answer: (path, body) → Response.
- * What the program refuses is thrown as its own sentence.
+ * What the program refuses is thrown as its own sentence; what a newer question of this page ended
+ * is as if it had been aborted. Other pages of the same program have a name of their own.
  */
 export function askWith(token) {
+  const page = crypto.getRandomValues(new Uint32Array(4)).join("-");
   return async (path, body, signal) => {
     let response;
     try {
       response = await fetch(path, {
         method: "POST",
-        headers: { "Content-Type": "application/json", "X-Standfast-Token": token },
+        headers: {
+          "Content-Type": "application/json",
+          "X-Standfast-Token": token,
+          "X-Standfast-Page": page,
+        },
         body: JSON.stringify(body),
         signal,
       });
@@ -19,6 +25,7 @@ export function askWith(token) {
       if (error.name === "AbortError") throw error;
       throw new Error("The program does not answer; is it still running?");
     }
+    if (response.status === 409) throw new DOMException(await response.text(), "AbortError");
     if (!response.ok) throw new Error(await response.text());
     return response;
   };
@@ -34,23 +41,38 @@ export class Newest {
   #failed;
   #running = null;
   #next = null;
+  #refused = new Map();
+  #place = null;
   key = null;
   answer = null;
 
   /**
    * @param {(question: object, signal: AbortSignal) => Promise<object>} ask
-   * @param {() => void} arrived called when there is a new answer
+   * @param {() => void} arrived called when there is a new answer, or none will come
    * @param {(sentence: string) => void} failed
    */
-  constructor(ask, arrived, failed) {
+  constructor(ask, arrived, failed = () => {}) {
     this.#ask = ask;
     this.#arrived = arrived;
     this.#failed = failed;
   }
 
-  /** Want the answer to a question with a key; what is known so far is `answer`, of `key`. */
-  want(key, question, long = false) {
-    if (this.#running?.key === key || (!this.#running && this.key === key)) {
+  /** The sentence with which the question of a key was refused, if it was. */
+  refusal(key) {
+    return this.#refused.get(key);
+  }
+
+  /**
+   * Want the answer to a question with a key; what is known so far is `answer`, of `key`. What was
+   * refused is asked again only once a question of another place has been wanted.
+   */
+  want(key, question, { long = false, place = key } = {}) {
+    if (place !== this.#place) {
+      this.#place = place;
+      this.#refused.clear();
+    }
+    const had = !this.#running && this.key === key;
+    if (had || this.#running?.key === key || this.#refused.has(key)) {
       this.#next = null;
       return;
     }
@@ -69,9 +91,7 @@ export class Newest {
         this.key = key;
       } catch (error) {
         if (error.name !== "AbortError") {
-          // not asked again until it changes
-          this.key = key;
-          this.answer = null;
+          this.#refused.set(key, error.message);
           this.#failed(error.message);
         }
       }

@@ -36,7 +36,8 @@ export function drawBar(context, width, quantity, scale, { ink, font }) {
     context.fillText(shortNumber(value), at, 48);
   }
   context.textAlign = "left";
-  context.fillText(`${labelOf(quantity)}, hatched: falls`, left, 13);
+  const falls = scale.hatched ? ", hatched: falls" : "";
+  context.fillText(`${labelOf(quantity)}${falls}`, left, 13);
   if (!Number.isFinite(scale.limit)) return;
   const at = left + ((scale.limit - scale.low) / (scale.high - scale.low)) * (right - left);
   context.fillStyle = "#d55e00";
@@ -91,6 +92,8 @@ export function showScale(canvas, quantity, scale, look) {
   context.scale(ratio, ratio);
   drawBar(context, width, quantity, scale, look);
   const ends = `${shortNumber(scale.low)} to ${shortNumber(scale.high)}`;
-  const words = scale.kind === "flags" ? "falls, hatched, and stands" : `colours from ${ends}`;
+  const falls = scale.hatched ? ", hatched: falls" : "";
+  const words =
+    scale.kind === "flags" ? "falls, hatched, and stands" : `colours from ${ends}${falls}`;
   canvas.setAttribute("aria-label", `${labelOf(quantity)}: ${words}`);
 }

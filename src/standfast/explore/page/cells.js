@@ -2,7 +2,8 @@
 import { Newest } from "./asking.js";
 
 const TYPES = { float64: Float64Array, float32: Float32Array, uint8: Uint8Array };
-const KEPT = 64; // planes
+const KEPT_BYTES = 2 ** 28; // of planes
+const SHOWN_AT_ONCE = 2; // a quantity and the verdict, which are kept however large
 
 /** Planes of an atlas, whose axes have stops; asked for at the reader's stops of all others. */
 export class Cells {
@@ -10,12 +11,13 @@ export class Cells {
   #whole;
   #newest;
   #kept = new Map();
+  #bytes = 0;
 
   /** @param {object|null} whole values of an embedded atlas by quantity, decoded */
-  constructor(content, { whole, ask, arrived, failed }) {
+  constructor(content, { whole, ask, arrived }) {
     this.#content = content;
     this.#whole = whole;
-    this.#newest = ask && new Newest((planes) => this.#read(ask, planes), arrived, failed);
+    this.#newest = ask && new Newest((planes) => this.#read(ask, planes), arrived);
   }
 
   /** What the map shows: the plane of a quantity, the verdict's, and where the limit lies. */
@@ -24,19 +26,34 @@ export class Cells {
     if (name !== "stable" && "stable" in this.#content.quantity) names.push("stable");
     const planes = names.map((each) => this.#planeAt(state, each));
     const missing = planes.filter((plane) => !this.#kept.has(plane.key));
+    let refused;
     if (missing.length > 0 && this.#whole) {
       for (const plane of missing) this.#keep(plane, this.#cut(plane));
     } else if (missing.length > 0) {
-      this.#newest.want(missing.map((plane) => plane.key).join(), missing);
+      const key = missing.map((plane) => plane.key).join();
+      const place = planes.map((plane) => plane.key).join();
+      this.#newest.want(key, missing, { place });
+      refused = this.#newest.refusal(key);
     }
-    const [shown, stable] = planes.map((plane) => this.#kept.get(plane.key) ?? null);
+    const [shown, stable] = planes.map((plane) => this.#found(plane.key));
     const standing = name === "stable" ? shown : (stable ?? null);
     const { limit } = this.#content.quantity[name];
     const own = shown && Number.isFinite(limit) ? { ...shown, level: limit } : null;
+    // the verdict before a value: beyond its critical delay a person may stand again
     const byVerdict = standing && { ...standing, level: 0.5 };
     const lacking = missing.some((plane) => !this.#kept.has(plane.key));
-    const result = { shown, standing, limit: own ?? byVerdict, pending: lacking };
-    return { ...result, coarse: false, word: "" };
+    const pending = lacking && refused === undefined;
+    const word = lacking ? (refused ?? "") : "";
+    return { shown, standing, limit: byVerdict ?? own, pending, coarse: false, word };
+  }
+
+  /** A plane that is kept; it is then the last to be dropped. */
+  #found(key) {
+    const plane = this.#kept.get(key);
+    if (!plane) return null;
+    this.#kept.delete(key);
+    this.#kept.set(key, plane);
+    return plane;
   }
 
   #planeAt(state, quantity) {
@@ -52,12 +69,19 @@ export class Cells {
 
   #keep({ key, x, y }, values) {
     const stops = [x, y].map((axis) => this.#content.parameter[axis].stops);
-    this.#kept.set(key, withoutInfinite(values, ...stops));
-    if (this.#kept.size > KEPT) this.#kept.delete(this.#kept.keys().next().value);
+    const plane = withoutInfinite(values, ...stops);
+    this.#kept.set(key, plane);
+    this.#bytes += plane.values.byteLength;
+    for (const [old, { values: dropped }] of this.#kept) {
+      if (this.#bytes <= KEPT_BYTES || this.#kept.size <= SHOWN_AT_ONCE) break;
+      this.#kept.delete(old);
+      this.#bytes -= dropped.byteLength;
+    }
   }
 
   async #read(ask, planes) {
     for (const plane of planes) {
+      if (this.#kept.has(plane.key)) continue;
       const { quantity, x, y, at } = plane;
       const response = await ask("/atlas", { quantity, x, y, at });
       const Type = TYPES[this.#content.quantity[quantity].dtype];

@@ -1,6 +1,6 @@
 /** Colours of values: even to the eye, told apart by the colour-blind, readable in grey; pure. */
 
-// cividis at 9 places, as the figures of the package; and two arms about a limit.
+// cividis at 10 places, as the figures of the package; and two arms about a limit.
 const EVEN = "00224e 123570 3b496c 575d6d 707173 8a8678 a59c74 c3b369 e1cc55 fee838";
 const APART = "94400a b8560f d97b35 efb68c f6eee6 a9cfe6 5aa3d1 1f77b4 0a4a7d";
 const FALLS = "e9a783";
@@ -82,10 +82,12 @@ const WIDTH = 2;
  * @param {{values: ArrayLike<number>, width: number, columns: Int32Array, rows: Int32Array}} field
  * @param {{values: ArrayLike<number>, width: number, columns: Int32Array, rows: Int32Array}|null}
  *   standing 0 where the person falls, which is hatched
+ * @returns {boolean} whether anything is hatched
  */
 export function paint(image, field, standing, scale) {
   const [across, up] = [field.columns.length, field.rows.length];
   const bounds = boundsOf(scale);
+  let any = false;
   for (let row = 0; row < up; row++) {
     const from = field.rows[row] * field.width;
     const offset = PERIOD - (row % PERIOD);
@@ -96,10 +98,12 @@ export function paint(image, field, standing, scale) {
       const value = beyond ? Number.NaN : field.values[from + field.columns[column]];
       const falls =
         standing !== null && standing.values[fromStanding + standing.columns[column]] === 0;
+      any ||= falls;
       const line = falls && (column + offset) % PERIOD < WIDTH;
       image[row * across + column] = shade(bounds, value, line);
     }
   }
+  return any;
 }
 
 const NOTHING = pixel(components("b4b4b4"));

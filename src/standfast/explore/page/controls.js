@@ -23,7 +23,7 @@ const OPEN = new Set(["Stiffness", "Body"]);
 
 /**
  * Make the controls; what is returned shows the values of a state in them.
- * @param {(name: string, value: number|string) => void} changed
+ * @param {(name: string, value: number|string) => object} changed gives the values that are then
  * @param {(sentence: string) => void} refused
  */
 export function controlsIn(place, content, changed, refused) {
@@ -46,9 +46,9 @@ export function controlsIn(place, content, changed, refused) {
     for (const row of rows) shown.push({ row, show: controlIn(fields, row, changed, refused) });
   }
   const known = new Map();
-  return (values, again = false) => {
+  return (values) => {
     for (const { row, show } of shown) {
-      if (!again && Object.is(known.get(row), values[row.name])) continue;
+      if (Object.is(known.get(row), values[row.name])) continue;
       known.set(row, values[row.name]);
       show(values);
     }
@@ -113,9 +113,10 @@ function sliderIn(box, row, changed, refused) {
       field.setAttribute("aria-invalid", "true");
       return;
     }
-    changed(row.name, value);
+    // also where the value is what it was, which changes nothing else
+    show(changed(row.name, value));
   });
-  return (values) => {
+  const show = (values) => {
     const value = values[row.name];
     const infinite = value === Number.POSITIVE_INFINITY;
     if (!infinite) last = value;
@@ -132,6 +133,7 @@ function sliderIn(box, row, changed, refused) {
       field.disabled = infinite;
     }
   };
+  return show;
 }
 
 function rigidIn(box, row, last, changed) {

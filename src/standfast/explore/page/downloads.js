@@ -18,7 +18,7 @@ export function csvOf(content, state, grid) {
   const lines = [`# ${quantity.words}: ${quantity.meaning}`];
   for (const row of content.parameters) {
     if (row.name === state.x || row.name === state.y) continue;
-    lines.push(`# ${row.name} = ${valueWords(row, state.values[row.name])}`);
+    lines.push(`# ${row.name} = ${exactly(row, state.values[row.name])}`);
   }
   lines.push(`# made by standfast ${content.version}`);
   const named = (row) => (row.unit === "1" ? row.name : `${row.name} (${row.unit})`);
@@ -32,6 +32,12 @@ export function csvOf(content, state, grid) {
     }
   }
   return `${lines.join("\n")}\n`;
+}
+
+/** A value in all its digits, as a program can read it. */
+function exactly(row, value) {
+  if (row.or_rigid && value === Number.POSITIVE_INFINITY) return "rigid";
+  return row.numeric && row.unit !== "1" ? `${encoded(value)} ${row.unit}` : String(encoded(value));
 }
 
 /** The person as JSON: what is given, in SI units, and what was found; pure. */

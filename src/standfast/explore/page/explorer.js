@@ -7,7 +7,7 @@ import { axisOf, spreadOver, windowOf } from "./frame.js";
 import { writer } from "./margins.js";
 import { rootWords } from "./roots.js";
 import { fillPerson } from "./state.js";
-import { mapWords, verdictWords } from "./words.js";
+import { mapWords, movementWords, verdictWords } from "./words.js";
 
 /** Milliseconds after the last change until the picture is made in full. */
 const REST = 250;
@@ -21,6 +21,8 @@ export class Explorer {
   #person;
   #fedBack;
   #key = "";
+  #tell;
+  #waiting = false;
   #requested = 0;
   #timer = 0;
   #inputAt = 0;
@@ -33,22 +35,26 @@ export class Explorer {
   found = { facts: null, fedBack: null };
   /** From an input to the painted picture, ms. */
   times = [];
+  /** Points along a side of the picture as last drawn; 0 without values. */
+  drawn = { side: 0 };
   state;
 
   /** @param {object} parts map, moving, roots, margins, sway, controls, planes, elements, look, rested */
-  constructor(content, formulas, parts, state, ask, failed) {
+  constructor(content, formulas, parts, state, ask, tell) {
     this.#content = content;
     this.#formulas = formulas;
     this.#parts = parts;
     this.#person = new Float64Array(formulas.slotCount);
+    this.#tell = tell;
     this.state = state;
     const answer = async (question, signal) => factsFrom(await ask("/person", question, signal));
-    this.#fedBack = ask && new Newest(answer, () => this.draw(), failed);
+    this.#fedBack = ask && new Newest(answer, () => this.draw(), tell);
   }
 
   /** Take a change of the state, and draw it soon; `at` is when the reader made it. */
   change(changes, at = performance.now()) {
     Object.assign(this.state, changes);
+    this.#tell(""); // what was said of the state before
     this.#inputAt ||= at;
     this.#changedAt = performance.now();
     clearTimeout(this.#timer);
@@ -80,9 +86,16 @@ export class Explorer {
     const sample = planes.sample(state, window, spread, resting);
     const quantity = this.#content.quantity[state.quantity];
     const subjects = this.#content.subjects ?? [];
-    const drawn = map.show({ sample, x, y, window, quantity, point: state.values, subjects });
+    // what is taken home is written from the state of its values, not from a later one
+    const of = sample.of ?? { ...state, values: { ...state.values } };
+    const wanted = { sample, x, y, window, quantity, point: state.values, subjects, state: of };
+    const drawn = map.show(wanted);
+    this.drawn.side = drawn.sample.shown?.xs.length ?? 0;
     showScale(elements.bar, drawn.quantity, drawn.scale, this.#parts.look());
     elements.computing.hidden = !sample.pending;
+    for (const button of [elements.figure, elements.numbers]) {
+      button.disabled = sample.pending || sample.coarse;
+    }
     this.#write(elements.word, sample.word);
     controls(state.values);
     this.#showPerson(resting);
@@ -101,20 +114,26 @@ export class Explorer {
     this.found = { facts, fedBack };
     const rigid = facts.own.map((own) => own === Number.POSITIVE_INFINITY);
     const body = this.#formulas.bodyAt(person);
-    moving.show(lengthsOf(body, state.values.height), rigid, movementOf(facts, fedBack));
-    const inPlane = rootsOf(facts, fedBack);
+    const movement = movementOf(facts, fedBack, nerves);
+    moving.show(lengthsOf(body, state.values.height), rigid, movement);
+    const inPlane = rootsOf(facts, fedBack, nerves);
     // of pictures in quick succession each third has new roots, which take long to draw
     this.#pictures += 1;
     if (resting || this.#pictures % 3 === 0) roots.show(inPlane);
     this.#write(elements.outside, roots.beyond(inPlane));
-    margins(facts, fedBack);
+    margins(facts, fedBack, nerves);
     this.#showSway(nerves);
-    this.#said = verdictWords(facts, fedBack, nerves);
-    this.#write(elements.verdict, this.#said);
+    const verdict = verdictWords(facts, fedBack, nerves);
+    this.#write(elements.verdict, verdict);
     const stands = fedBack && nerves.gained ? fedBack.stands : facts.stands;
-    elements.verdict.classList.toggle("falls", !stands);
+    elements.verdict.classList.toggle("falls", stands === false);
+    elements.verdict.classList.toggle("open", stands === null);
     elements.verdict.classList.toggle("stale", fedBack?.stale === true);
-    this.#rootWords = rootWords(inPlane);
+    // a verdict that is still to come is not announced as if it were there
+    this.#said = this.#waiting ? "" : verdict;
+    const unknown = movement ? "" : movementWords(facts, fedBack, this.#fedBack, this.#waiting);
+    this.#write(elements.unmoved, unknown);
+    this.#rootWords = inPlane.length ? rootWords(inPlane) : unknown;
   }
 
   #showSway(nerves) {
@@ -124,6 +143,7 @@ export class Explorer {
   }
 
   #fedBackOf(person, nerves) {
+    this.#waiting = false;
     if (!nerves.gained && !nerves.damped) return null;
     const one = oneJointFacts(this.#formulas, person, nerves);
     if (!this.#fedBack) return one;
@@ -133,7 +153,9 @@ export class Explorer {
     this.#key = JSON.stringify(parameters);
     this.#fedBack.want(this.#key, { parameters });
     const { answer } = this.#fedBack;
-    if (this.#fedBack.key === this.#key) return answer ?? one;
+    if (this.#fedBack.key === this.#key) return answer;
+    if (this.#fedBack.refusal(this.#key) !== undefined) return one;
+    this.#waiting = true;
     return one ?? (answer && { ...answer, stale: true });
   }
 

@@ -7,6 +7,11 @@ export function isGain(name) {
   return name.endsWith("_gain");
 }
 
+/** Whether a parameter is a stiffness between two joints. */
+export function isCoupling({ name, section }) {
+  return section === "stiffness" && !JOINTS.some((joint) => name === `${joint}_stiffness`);
+}
+
 /**
  * What nerves do in a state: any gain, any damping, noise of a joint that turns, and the joints that
  * are free to.
@@ -60,14 +65,15 @@ export function oneJointFacts(formulas, person, nerves) {
 }
 
 /**
- * How the person moves: a root in 1/s, and the complex rotation of each joint.
+ * How the person moves: a root in 1/s, and the complex rotation of each joint; null if unknown.
  * The largest rotation of a joint, or lean of a segment, is 1.
  */
-export function movementOf(facts, fedBack) {
+export function movementOf(facts, fedBack, nerves) {
   if (fedBack?.shape && fedBack.rightmost_root) {
     return { root: fedBack.rightmost_root, turns: scaled(fedBack.shape) };
   }
-  if (facts.modes.length === 0) return null;
+  // springs alone move otherwise than with damping or feedback
+  if (facts.modes.length === 0 || nerves.gained || nerves.damped) return null;
   const { eigenvalue, turns } = facts.modes[0];
   const size = Math.sqrt(Math.abs(eigenvalue));
   return {
@@ -88,7 +94,8 @@ function scaled(turns) {
 }
 
 /** The characteristic roots to be drawn, both of each pair; with feedback those that are known. */
-export function rootsOf(facts, fedBack) {
+export function rootsOf(facts, fedBack, nerves) {
+  if (!fedBack?.roots && (nerves.gained || nerves.damped)) return [];
   const pairs = fedBack?.roots
     ? fedBack.roots
     : facts.modes.map(({ eigenvalue }) => {

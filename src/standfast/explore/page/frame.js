@@ -13,13 +13,39 @@ export function axisOf(content, name) {
   return { row, stops, low, high, beyond, logarithmic, place, value };
 }
 
+// Of an axis, or of its values: what is narrower cannot be told apart on it.
+const NARROWEST = 1e-6;
+
+/** The narrowest that two places of an axis may be apart. */
+function narrowestOf(axis, from, to) {
+  const whole = axis.place(axis.high) - axis.place(axis.low);
+  return NARROWEST * Math.max(whole, Math.abs(from), Math.abs(to));
+}
+
+/** What may be seen of an axis: its outermost places, and how near to each other they may come. */
+export function boundsOfAxis(axis) {
+  const [least, most] = axis.beyond.map(axis.place);
+  return { least, most, narrowest: narrowestOf(axis, 0, 0) };
+}
+
+/** Ends of a window, moved into what an axis can have and not too near to each other. */
+function within(axis, low, high) {
+  const { least, most } = boundsOfAxis(axis);
+  const [from, to] = [axis.place(low), axis.place(high)];
+  const width = Math.min(Math.max(to - from, narrowestOf(axis, from, to)), most - least);
+  if (from >= least && to <= most && width === to - from) return [low, high];
+  const start = Math.min(Math.max(from, least), most - width);
+  return [axis.value(start), axis.value(start + width)];
+}
+
 /** The window of a state, in the units of its axes: all of both, if none is chosen. */
 export function windowOf(state, x, y) {
   const whole = [x.low, x.high, y.low, y.high];
   const { window } = state;
   if (!window) return whole;
   const overlaps = window[0] < x.beyond[1] && window[1] > x.beyond[0];
-  return overlaps && window[2] < y.beyond[1] && window[3] > y.beyond[0] ? window : whole;
+  if (!overlaps || !(window[2] < y.beyond[1] && window[3] > y.beyond[0])) return whole;
+  return [...within(x, window[0], window[1]), ...within(y, window[2], window[3])];
 }
 
 /** Values in the middle of equal steps on the screen between two values of an axis. */

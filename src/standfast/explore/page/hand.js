@@ -1,4 +1,5 @@
 /** What the reader does on the map: move the point, drag, zoom. */
+import { windowOf } from "./frame.js";
 
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] };
 
@@ -17,11 +18,15 @@ export function connectMap(explorer, plot, element, buttons) {
     change({ values });
   };
   plot.onTap(pick);
+  const see = (window) => {
+    const { x, y } = explorer.view();
+    change({ window: window && windowOf({ window }, x, y) });
+  };
   plot.onMove(([x0, x1, y0, y1]) => {
     const { x, y } = explorer.view();
-    change({ window: [x.value(x0), x.value(x1), y.value(y0), y.value(y1)] });
+    see([x.value(x0), x.value(x1), y.value(y0), y.value(y1)]);
   });
-  const zoom = (factor) => change({ window: factor && zoomed(explorer.view(), factor) });
+  const zoom = (factor) => see(factor && zoomed(explorer.view(), factor));
   buttons.nearer.addEventListener("click", () => zoom(0.5));
   buttons.farther.addEventListener("click", () => zoom(2));
   buttons.whole.addEventListener("click", () => zoom(null));

@@ -21,7 +21,8 @@ const byId = (id) => document.getElementById(id);
 const content = contentOf(byId("content").textContent);
 
 function tell(sentence) {
-  byId("status").textContent = sentence;
+  const status = byId("status");
+  if (status.textContent !== sentence) status.textContent = sentence;
 }
 
 let seen = null;
@@ -96,21 +97,24 @@ function buttons(explorer, plot, map) {
     keepAddress(explorer.state);
     try {
       await navigator.clipboard.writeText(location.href);
-      tell("The link to this view is copied.");
+      const lasts = content.served
+        ? " It holds as long as the program runs, and lets in whoever has it."
+        : "";
+      tell(`The link to this view is copied.${lasts}`);
     } catch {
       tell(`The link to this view: ${location.href}`);
     }
   });
   on("figure", async () => {
-    const { quantity, scale } = map.drawn;
-    const words = [content.title, ...fixedWords(content, explorer.state)];
+    const { quantity, scale, state } = map.drawn;
+    const words = [content.title, ...fixedWords(content, state)];
     const picture = await pictureOf(plot.picture(), quantity, scale, words, look());
     save("standfast-map.png", picture, "image/png");
   });
   on("numbers", () => {
-    const { shown } = map.drawn.sample;
-    if (!shown) tell("The map has no numbers now.");
-    else save("standfast-map.csv", csvOf(content, explorer.state, shown), "text/csv");
+    const { sample, state } = map.drawn;
+    if (!sample.shown) tell("The map has no numbers now.");
+    else save("standfast-map.csv", csvOf(content, state, sample.shown), "text/csv");
   });
   on("person", () => {
     const { facts, fedBack } = explorer.found;
@@ -129,7 +133,6 @@ function playerOf(moving) {
   const show = (playing) => {
     moving.play(playing);
     byId("play").textContent = playing ? "Pause" : "Play";
-    byId("play").setAttribute("aria-pressed", String(playing));
   };
   byId("play").addEventListener("click", () => show(!moving.playing));
   byId("speed").addEventListener("change", (event) => {
@@ -158,6 +161,8 @@ const elements = Object.fromEntries(
 );
 elements.outside = byId("outside");
 elements.roots = byId("roots");
+elements.unmoved = byId("unmoved");
+for (const id of ["figure", "numbers"]) elements[id] = byId(id);
 
 async function open() {
   const figures = JSON.parse(byId("figures").textContent);
@@ -168,14 +173,16 @@ async function open() {
   const ask = content.served ? askWith(content.token) : null;
   const whole = content.embedded ? await embeddedValues(content) : null;
   let explorer = null;
-  const sources = { ask, whole, arrived: () => explorer.draw(), failed: tell };
+  const sources = { ask, whole, arrived: () => explorer.draw() };
   const cells = content.atlas ? new Cells(content, sources) : null;
   const planes = new Planes(content, formulas, { ...sources, cells });
   const map = new StandingMap(plot);
   const moving = new MovingPerson(byId("figure-of-person"));
   const roots = new RootPlane(rootPlot);
-  const changed = (name, value) =>
+  const changed = (name, value) => {
     explorer.change({ values: { ...explorer.state.values, [name]: value } });
+    return explorer.state.values;
+  };
   const refused = (sentence) => {
     tell(sentence);
     explorer.draw();
@@ -210,10 +217,15 @@ async function open() {
     explorer.draw();
   });
   globalThis.addEventListener("hashchange", () => addressIn(explorer));
+  // for measurements
   globalThis.standfastTimes = explorer.times;
+  globalThis.standfastDrawn = explorer.drawn;
   recolour();
   addressIn(explorer);
   playerOf(moving);
+  byId("leaves").textContent = content.served
+    ? "It asks the program on this machine, and nobody else."
+    : "Nothing leaves this page.";
   document.documentElement.dataset.ready = "yes";
 }
 

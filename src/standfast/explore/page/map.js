@@ -2,7 +2,7 @@
 import { paint, scaleFor } from "./colours.js";
 import { labelOf, shortNumber } from "./content.js";
 import { contourLines, labelPlaces } from "./contours.js";
-import { endsOf, nearestTo } from "./frame.js";
+import { boundsOfAxis, endsOf, nearestTo } from "./frame.js";
 import { setColumns } from "./plot.js";
 import { marksOf, roundEnds, roundNumbers } from "./ticks.js";
 
@@ -28,10 +28,13 @@ export class StandingMap {
   /** @param {object} plot a figure (plot.js) with the sources of the map */
   constructor(plot) {
     this.#plot = plot;
+    // the reader may have moved it to where no window can be
+    plot.onMove(() => this.resized());
   }
 
   /**
-   * @param {object} wanted sample of planes, x and y axes, window, quantity, point, subjects
+   * @param {object} wanted sample of planes with the state it is of, x and y axes, window,
+   *   quantity, point, subjects
    * @returns {object} what is drawn, with the quantity and the scale of its colours
    */
   show(wanted) {
@@ -52,10 +55,11 @@ export class StandingMap {
     const { drawn } = this;
     if (picture.sample.shown || !picture.sample.pending || !drawn?.sample.shown) return picture;
     if (drawn.x.row !== picture.x.row || drawn.y.row !== picture.y.row) return picture;
-    return { ...picture, sample: drawn.sample, quantity: drawn.quantity };
+    const { sample, quantity, state } = drawn;
+    return { ...picture, sample, quantity, state };
   }
 
-  /** The figure has another size, so that other marks fit on its axes. */
+  /** The figure has another size or place than was set, so that its axes must be set again. */
   resized() {
     this.#framed = "";
   }
@@ -64,6 +68,7 @@ export class StandingMap {
     const key = `${x.row.name} ${y.row.name} ${frame}`;
     if (key === this.#framed) return;
     this.#framed = key;
+    this.#plot.setBounds(boundsOfAxis(x), boundsOfAxis(y));
     this.#plot.setRanges(frame);
     const size = this.#plot.size();
     this.#plot.setAxis("x", labelOf(x.row), marksOf(frame[0], frame[1], x.logarithmic, size[0]));
@@ -83,7 +88,7 @@ export class StandingMap {
     const field = indices(shown);
     const standing =
       sample.standing === sample.shown ? field : sample.standing && indices(sample.standing);
-    paint(this.#image, field, standing, scale);
+    scale.hatched = paint(this.#image, field, standing, scale);
     const [x0, x1, y0, y1] = frame;
     const source = this.#plot.source("image");
     this.#array ??= this.#plot.imageOf(this.#image, PIXELS);

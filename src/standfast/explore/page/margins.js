@@ -9,14 +9,14 @@ export function marginsIn(bars, table) {
   scale.className = "note";
   bars.after(scale);
   const write = writer();
-  return (facts, fedBack) => {
+  return (facts, fedBack, nerves) => {
     const joints = jointRows(facts);
     const edge = edgeOf(joints);
     joints.forEach((joint, i) => {
       showBar(rows[i], joint, edge, write);
     });
     write(scale, `Bars end at ${shortNumber(edge, 3)} N·m/rad; line: threshold, others as given`);
-    showTable(table, marginRows(facts, fedBack), write);
+    showTable(table, marginRows(facts, fedBack, nerves), write);
   };
 }
 
@@ -73,6 +73,7 @@ export function showTable(table, rows, write) {
       head.scope = "row";
       row.append(head, document.createElement("td"));
     }
+    table.rows[i].classList.toggle("head", value === "");
     const [head, cell] = table.rows[i].cells;
     write(head, name);
     write(cell, value);

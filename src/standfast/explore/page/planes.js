@@ -1,8 +1,8 @@
 /** Values on the plane of the map, wherever they come from: one way to ask for all of them. */
 import { Newest } from "./asking.js";
 import { encoded } from "./content.js";
-import { nervesOf } from "./facts.js";
-import { fillPerson } from "./state.js";
+import { isCoupling, nervesOf } from "./facts.js";
+import { fillPerson, slotOf } from "./state.js";
 
 /** Points along a side of the map, at rest; fewer are taken while a slider moves and time is short. */
 export const SIDE = 401;
@@ -10,14 +10,14 @@ const SIDES = [SIDE, 201, 101];
 const SWAY_SIDE = 201; // of sway, which takes the program longest
 const COARSE = 41; // of what the program computes while a slider moves
 const BUDGET = 12; // ms, for the values of one picture
+const RECENT = 6; // planes, the quickest of which says what one takes
 const STANDING_SIDE = 201;
 const LIMIT_SIDE = 101;
 
-const NEEDS_PROGRAM =
-  "Feedback of several joints needs the program (standfast explore); this map is of springs alone.";
+const SPRINGS_ALONE = "needs the program (standfast explore); this map is of springs alone.";
 
 /**
- * Planes of a content: `sample(state, window, resting)` gives what the map shows.
+ * Planes of a content: `sample(state, window, spread, resting)` gives what the map shows.
  *
  * A grid is {values, xs, ys}: values[iy * xs.length + ix], xs and ys in the units of the axes.
  */
@@ -34,13 +34,12 @@ export class Planes {
    * @param {object} cells where an atlas' planes are found (cells.js), or null
    * @param {(path: string, body: object) => Promise<Response>} ask the program, or null
    */
-  constructor(content, formulas, { cells, ask, arrived, failed }) {
+  constructor(content, formulas, { cells, ask, arrived }) {
     this.#content = content;
     this.#formulas = formulas;
     this.#cells = cells;
     this.#person = new Float64Array(formulas.slotCount);
-    this.#live =
-      ask && new Newest((question, signal) => askLive(ask, question, signal), arrived, failed);
+    this.#live = ask && new Newest((question, signal) => askLive(ask, question, signal), arrived);
   }
 
   /** How the values of a quantity are found: "springs", "oneJoint", "live", "cells", or "". */
@@ -64,7 +63,7 @@ export class Planes {
    * @param {(low: number, high: number, side: number, axis: string) => Float64Array} spread
    *   points of an axis, in the middles of equal steps on the screen
    * @returns {{shown: object|null, standing: object|null, limit: object|null, pending: boolean,
-   *   coarse: boolean, word: string}}
+   *   coarse: boolean, word: string, of?: object}} `of` is the state of values that came late
    */
   sample(state, window, spread, resting) {
     const name = state.quantity;
@@ -74,7 +73,12 @@ export class Planes {
     });
     fillPerson(this.#content, this.#formulas.slots, state.values, this.#person);
     const ways = { shown: this.way(state, name), standing: this.way(state, "stable") };
-    if (ways.shown === "cells") return this.#cells.sample(state, name);
+    if (ways.shown === "cells") {
+      const cells = this.#cells.sample(state, name);
+      const gained = nervesOf(state, [state.x, state.y]).gained;
+      // of springs alone the limit is known between the cells too
+      return gained ? cells : { ...cells, limit: this.#limitOfSprings(state, grid) };
+    }
     if (ways.shown === "") {
       const quantity = this.#content.quantity[name];
       const word = absentWords(quantity, nervesOf(state, [state.x, state.y]));
@@ -83,22 +87,43 @@ export class Planes {
     const live = this.#askedLive(state, ways, grid, resting);
     const found = (way, of, side) =>
       way === "live" ? (live?.[of] ?? null) : this.#computed(state, way, of, grid(side));
-    const side = resting ? SIDE : this.#affordable(name);
+    const side = resting ? SIDE : this.#affordable(this.#sort(state, ways.shown, name));
     const shown = found(ways.shown, name, side);
     const standing =
       name === "stable" ? shown : found(ways.standing, "stable", Math.min(side, STANDING_SIDE));
     const bySprings = ways.standing === "springs";
     const limit = bySprings
-      ? { ...this.#computed(state, "springs", "safety_factor", grid(LIMIT_SIDE)), level: 1 }
+      ? this.#limitOfSprings(state, grid)
       : standing && { ...standing, level: 0.5 };
     const pending = live !== undefined && (live === null || live.stale);
-    const nerves = nervesOf(state, [state.x, state.y]);
-    const word = nerves.gained && bySprings ? NEEDS_PROGRAM : "";
-    return { shown, standing, limit, pending, coarse: side < SIDE || live?.coarse === true, word };
+    const word = live?.refused ?? (bySprings ? this.#wordOfSprings(state) : "");
+    const coarse = side < SIDE || live?.coarse === true;
+    const of = ways.shown === "live" && shown ? { ...live.state, quantity: name } : undefined;
+    return { shown, standing, limit, pending, coarse, word, of };
   }
 
-  #affordable(name) {
-    const cost = this.#cost.get(name) ?? 0;
+  /** What a map of springs leaves out for want of the program. */
+  #wordOfSprings(state) {
+    const { gained, damped } = nervesOf(state, [state.x, state.y]);
+    if (gained) return `Feedback of several joints ${SPRINGS_ALONE}`;
+    return damped && !this.#live ? `What damping does ${SPRINGS_ALONE}` : "";
+  }
+
+  #limitOfSprings(state, grid) {
+    const found = this.#computed(state, "springs", "safety_factor", grid(LIMIT_SIDE));
+    return { ...found, level: 1 };
+  }
+
+  /** What decides how long a plane takes: coupled joints have other formulas. */
+  #sort(state, way, name) {
+    const coupled = this.#content.parameters.some(
+      (row) => isCoupling(row) && state.values[row.name],
+    );
+    return `${way} ${name} ${coupled} ${state.x} ${state.y}`;
+  }
+
+  #affordable(sort) {
+    const cost = Math.min(...(this.#cost.get(sort) ?? [0]));
     return SIDES.find((side) => cost * side * side <= BUDGET) ?? SIDES.at(-1);
   }
 
@@ -109,10 +134,11 @@ export class Planes {
     const values = this.#buffers.get(key);
     const began = performance.now();
     const formula = this.#formulas[way][name];
-    formula.plane(this.#person, slots[state.x], xs, slots[state.y], ys, values);
+    formula.plane(this.#person, slotOf(slots, state.x), xs, slotOf(slots, state.y), ys, values);
     const each = (performance.now() - began) / values.length;
-    // the first planes run before the browser has compiled them
-    this.#cost.set(name, Math.min(each, this.#cost.get(name) ?? each));
+    // the last few: the first run before the browser has compiled them, others while it is busy
+    const sort = this.#sort(state, way, name);
+    this.#cost.set(sort, [...(this.#cost.get(sort) ?? []).slice(1 - RECENT), each]);
     return { values, xs, ys };
   }
 
@@ -135,6 +161,7 @@ export class Planes {
     const { xs, ys } = grid(fine ? (sways ? SWAY_SIDE : SIDE) : COARSE);
     const question = {
       place,
+      state: { ...state, values: { ...state.values } },
       body: {
         quantities: wanted,
         x: { name: state.x, values: Array.from(xs) },
@@ -143,28 +170,36 @@ export class Planes {
       },
     };
     const key = `${place} ${xs.length}`;
-    this.#live.want(key, question, fine);
+    this.#live.want(key, question, { long: fine, place });
     const { answer } = this.#live;
+    const refused = this.#live.refusal(key);
+    if (refused !== undefined) {
+      // no more will come: what is there of this place is all there is
+      const here = answer?.place === place ? { ...answer.grids, state: answer.state } : {};
+      return { ...here, refused, stale: false, coarse: false };
+    }
     if (!answer || answer.x !== state.x || answer.y !== state.y) return null;
     const stale = this.#live.key !== key;
-    return { ...answer.grids, stale, coarse: !fine || stale };
+    return { ...answer.grids, state: answer.state, stale, coarse: !fine || stale };
   }
 }
 
 /** Why there are no values of a quantity. */
 function absentWords({ words, of_noise: ofNoise }, nerves) {
+  const program = "needs the program (standfast explore)";
   if (!ofNoise) {
-    return nerves.gained
-      ? `The ${words} of several joints needs the program (standfast explore).`
+    const means = nerves.gained ? "this feedback" : "damping";
+    return nerves.gained || nerves.damped
+      ? `The ${words} with ${means} ${program}.`
       : `The ${words} is of feedback: set a gain.`;
   }
   if (!nerves.noisy) return `The ${words} is of noise: set a noise of the torques.`;
   return nerves.damped || nerves.gained
-    ? `The ${words} needs the program (standfast explore).`
+    ? `The ${words} ${program}.`
     : `The ${words} has no bounds, as nothing damps the person: set a damping or a gain.`;
 }
 
-async function askLive(ask, { place, body }, signal) {
+async function askLive(ask, { place, state, body }, signal) {
   const response = await ask("/live", body, signal);
   const all = new Float64Array(await response.arrayBuffer());
   const xs = Float64Array.from(body.x.values);
@@ -175,5 +210,5 @@ async function askLive(ask, { place, body }, signal) {
       return [name, { values: all.subarray(i * size, (i + 1) * size), xs, ys }];
     }),
   );
-  return { place, x: body.x.name, y: body.y.name, grids };
+  return { place, state, x: body.x.name, y: body.y.name, grids };
 }

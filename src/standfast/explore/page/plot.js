@@ -42,11 +42,11 @@ export class Plot {
     return this.#sources.get(name);
   }
 
-  /** Pixels of an image, as an array of Bokeh that looks into them. */
+  /** Pixels of an image, as an array of Bokeh that looks into their memory: a copy would not change. */
   imageOf(pixels, side) {
     const { data } = this.source("image");
     const [old] = data instanceof Map ? data.get("image") : data.image;
-    return new old.constructor(pixels, [side, side]);
+    return new old.constructor(pixels.buffer, [side, side]);
   }
 
   /**
@@ -82,10 +82,16 @@ export class Plot {
     this.#model.y_range.setv({ start: y0, end: y1 });
   }
 
-  /** The least and most that can be moved to, of x and of y. */
-  setBounds([x0, x1], [y0, y1]) {
-    this.#model.x_range.setv({ bounds: [x0, x1] });
-    this.#model.y_range.setv({ bounds: [y0, y1] });
+  /** Set the least and most that can be moved to, of x and of y, and what can be seen at least. */
+  setBounds(x, y) {
+    const open = (end) => (Number.isFinite(end) ? end : null);
+    const { x_range, y_range } = this.#model;
+    for (const [range, { least, most, narrowest }] of [
+      [x_range, x],
+      [y_range, y],
+    ]) {
+      range.setv({ bounds: [open(least), open(most)], min_interval: narrowest });
+    }
   }
 
   setAxis(side, label, { places, words }) {

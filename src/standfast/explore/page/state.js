@@ -1,5 +1,6 @@
 /** What the reader has chosen, and how it stands in the address. */
-import { axesOf, encoded, shortNumber } from "./content.js";
+import { axesOf, encoded, finiteStops, shortNumber } from "./content.js";
+import { axisOf, windowOf } from "./frame.js";
 
 /** The state that the page opens with. */
 export function startState(content) {
@@ -44,6 +45,9 @@ export function stateOf(content, hash) {
     else ignored.push(part);
   }
   if (state.x === state.y) Object.assign(state, { x: content.start.x, y: content.start.y });
+  if (state.window) {
+    state.window = windowOf(state, axisOf(content, state.x), axisOf(content, state.y));
+  }
   return { state, ignored };
 }
 
@@ -83,10 +87,13 @@ export function checkedValue(row, text) {
   return value >= row.lowest && value <= row.highest ? value : undefined;
 }
 
-/** The range of a parameter in words, for whoever typed a number beyond it. */
+/** The range of a parameter in words, for whoever typed what it cannot have. */
 export function allowedWords(row) {
   const unit = row.unit === "1" ? "" : ` ${row.unit}`;
-  return `${shortNumber(row.lowest)} to ${shortNumber(row.highest)}${unit}`;
+  const stops = finiteStops(row);
+  const [low, high] = stops.length ? [stops[0], stops.at(-1)] : [row.lowest, row.highest];
+  const rigid = row.stops.includes(Number.POSITIVE_INFINITY) ? ", or rigid" : "";
+  return `${shortNumber(low)} to ${shortNumber(high)}${unit}${rigid}`;
 }
 
 /** The stop that lies nearest to a value. */
@@ -96,14 +103,20 @@ export function nearestStop(stops, value) {
   return stops.reduce((best, stop) => (away(stop) < away(best) ? stop : best));
 }
 
+/** Where the formulas take a parameter from; a measured segment is one of the reference person. */
+export function slotOf(slots, name) {
+  return slots[name] ?? slots[`reference_${name}`];
+}
+
 /** Write the person of a state into the vector that the formulas are given. */
 export function fillPerson(content, slots, values, person) {
   person.fill(0);
-  for (const [name, value] of Object.entries(values)) {
-    if (name in slots && typeof value === "number") person[slots[name]] = value;
-  }
   const own = content.people[values.body_model] ?? Object.values(content.people)[0];
   for (const [name, value] of Object.entries(own)) person[slots[`reference_${name}`]] = value;
+  for (const [name, value] of Object.entries(values)) {
+    const slot = slotOf(slots, name);
+    if (slot !== undefined && typeof value === "number") person[slot] = value;
+  }
   if (!("height" in values)) {
     // measured segments: a reference of height 1 and mass 1, taken as it is
     for (const name of ["height", "mass"]) {

@@ -6,9 +6,10 @@ export function roundNumbers(low, high, most = 6) {
   const step = roundStep(low, high, most);
   if (!(step > 0)) return [];
   const numbers = [];
-  for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i++) {
-    numbers.push(Number((i * step).toPrecision(12)));
-  }
+  const first = Math.ceil(low / step - 1e-9);
+  // counted, as adding 1 to a large number may change nothing
+  const count = Math.min(Math.floor(high / step + 1e-9) - first + 1, 2 * most);
+  for (let i = 0; i < count; i++) numbers.push(Number(((first + i) * step).toPrecision(12)));
   return numbers;
 }
 

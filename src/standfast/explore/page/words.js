@@ -6,7 +6,7 @@ import { JOINTS } from "./facts.js";
 export function verdictWords(facts, fedBack, nerves) {
   if (facts.modes.length === 0) return "Stands: every joint is rigid.";
   if (fedBack && (nerves.gained || nerves.damped)) return fedBackWords(facts, fedBack, nerves);
-  const alone = nerves.gained ? " by springs alone" : "";
+  const alone = nerves.gained || nerves.damped ? " by springs alone" : "";
   return `${facts.stands ? "Stands" : "Falls"}${alone}. ${movement(facts)}; ${multiple(facts)}.`;
 }
 
@@ -52,6 +52,15 @@ function delayWords({ stands, critical_delay: critical, delay_margin: margin }) 
   return `Critical delay ${withUnit(critical, "s")}, margin ${withUnit(margin, "s", 3)}${later}.`;
 }
 
+/** Why no movement is shown. */
+export function movementWords(facts, fedBack, program, waiting) {
+  if (facts.modes.length === 0) return "";
+  if (waiting) return "The movement is being computed.";
+  if (!program)
+    return "With damping or feedback the movement needs the program (standfast explore).";
+  return fedBack?.roots ? "Which movement is the least stable is open within rounding." : "";
+}
+
 /** What the map shows, for those who do not see it. */
 export function mapWords(content, state, verdict, pending) {
   const name = (axis) => content.parameter[axis];
@@ -60,7 +69,8 @@ export function mapWords(content, state, verdict, pending) {
   });
   const quantity = content.quantity[state.quantity];
   const shown = `Map of ${quantity.words} over ${name(state.x).words} and ${name(state.y).words}`;
-  return `${shown}${pending ? ", being computed" : ""}. At ${at.join(", ")}: ${verdict}`;
+  const here = verdict || "being computed.";
+  return `${shown}${pending ? ", being computed" : ""}. At ${at.join(", ")}: ${here}`;
 }
 
 /** Each joint's stiffness beside its threshold, for the bars. */
@@ -76,9 +86,12 @@ export function jointRows(facts) {
   });
 }
 
-/** The table of margins: [name, number with unit], and for feedback what is known of it. */
-export function marginRows(facts, fedBack) {
-  const rows = [];
+/**
+ * The table of margins: [name, number with unit], and for feedback what is known of it.
+ * With damping or feedback those of springs stand below a head, [words, ""].
+ */
+export function marginRows(facts, fedBack, nerves) {
+  const rows = nerves.gained || nerves.damped ? [["By springs alone", ""]] : [];
   if (facts.modes.length > 0) {
     const [{ eigenvalue, turns }] = facts.modes;
     const size = Math.sqrt(Math.abs(eigenvalue));
@@ -94,6 +107,7 @@ export function marginRows(facts, fedBack) {
     );
   }
   if (!fedBack) return rows;
+  rows.push([nerves.gained ? "With feedback" : "With damping", ""]);
   const known = (value) => value !== null && value !== undefined && !Number.isNaN(value);
   const add = (name, value, unit) => known(value) && rows.push([name, withUnit(value, unit)]);
   add("Critical delay", fedBack.critical_delay, "s");

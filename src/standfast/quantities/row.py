@@ -63,8 +63,9 @@ class Quantity:
     ``fed_back`` answers it for persons with delayed feedback (:class:`.delay.answers.FedBack`), in
     studies that have gains; a quantity without ``reference`` is found that way in every study.
     ``of_one_joint`` finds it in closed form where two joints are rigid throughout a study. ``own``
-    is one that a user added. ``limit`` is its value at the limit of standing, below which the
-    person falls, if there is such a value.
+    is one that a user added. ``limit`` is its value at the limit of standing, if there is such a
+    value. Below it the person falls, but for ``delay_margin``: beyond the critical delay there can
+    be windows of delays at which they stand again, so that the verdict alone says it.
     """
 
     name: str

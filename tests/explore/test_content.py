@@ -232,3 +232,9 @@ def test_limits_are_where_standing_ends():
 @pytest.mark.parametrize(("size", "step"), [(1.0, 1.0), (9.9, 5.0), (0.0499, 0.02), (25.0, 20.0)])
 def test_steps_are_round(size, step):
     assert round_step(size) == step
+
+
+def test_what_jumps_from_a_root_or_a_mode_to_another_has_no_contours():
+    jumping = {row["name"] for row in told(UNEQUAL)["quantities"] if row["jumps"]}
+    modes = {"hip_ankle_ratio", "knee_ankle_ratio"}
+    assert jumping == {"sway_frequency", "damping_ratio", *modes}

@@ -192,6 +192,7 @@ def _quantity(study: Study, name: str, *, live: bool) -> dict[str, Any]:
         "dtype": row.dtype,
         "flags": list(row.flags),
         "limit": row.limit,
+        "jumps": row.jumps,
         "axes": None if live else list(study.axes_of(name)),
     }
 

@@ -66,6 +66,8 @@ class Quantity:
     is one that a user added. ``limit`` is its value at the limit of standing, if there is such a
     value. Below it the person falls, but for ``delay_margin``: beyond the critical delay there can
     be windows of delays at which they stand again, so that the verdict alone says it.
+    ``jumps`` says that it does so between neighbours, from one root or mode to another, so that
+    contours of it are none.
     """
 
     name: str
@@ -83,6 +85,7 @@ class Quantity:
     of_one_joint: Callable[[Person], Scalar] | None = None
     own: bool = False
     limit: float | None = None
+    jumps: bool = False
 
     @property
     def label(self) -> str:

@@ -42,6 +42,7 @@ def _parameter(name: str) -> dict:
     base = {
         "name": name,
         "words": row.words,
+        "symbol": row.symbol,
         "unit": row.unit,
         "meaning": row.meaning,
         "section": row.section,
@@ -67,12 +68,13 @@ def _quantity(row, axes=None) -> dict:
     return {
         "name": row.name,
         "words": row.words,
+        "symbol": row.symbol,
         "unit": row.unit,
         "meaning": row.meaning,
         "dtype": row.dtype,
         "flags": list(row.flags),
         "limit": row.limit,
-        "jumps": row.jumps,
+        "of_nerves": row.reference is None,
         "axes": axes,
     }
 
@@ -89,6 +91,7 @@ def springs_content(**changes) -> dict:
         "parameters": [_parameter(name) for name in names],
         "people": people(),
         "quantities": [_quantity(row) for row in QUANTITIES.values() if not row.own],
+        "has_nerves": True,
         "embedded": None,
         "subjects": [
             {"label": "Anna", "values": {"ankle_stiffness": 700, "hip_stiffness": 350}},
@@ -127,6 +130,7 @@ def embedded_content() -> dict:
         source="embedded",
         parameters=parameters,
         quantities=[_quantity(QUANTITIES[name], list(stops)) for name in values],
+        has_nerves=False,
         embedded={
             "axes": {row["name"]: row["stops"] for row in parameters if row["kind"] == "stops"},
             "values": packed,

@@ -62,6 +62,7 @@ OF_FEEDBACK = (
         "frequency of the rightmost root",
         None,
         fed_back=answers.sway_frequency,
+        jumps=True,
     ),
     Quantity(
         "damping_ratio",
@@ -70,6 +71,7 @@ OF_FEEDBACK = (
         "damping ratio of the rightmost root, negative where the person falls",
         None,
         fed_back=answers.damping_ratio,
+        jumps=True,
         limit=0.0,
     ),
 )

@@ -1,7 +1,9 @@
 """Double precision for all tests, and one atlas of several shards for those of the store."""
 
 import os
+import shutil
 import subprocess
+import tempfile
 
 import jax
 import pytest
@@ -13,6 +15,26 @@ from studies import several_shards
 jax.config.update("jax_enable_x64", True)
 # Commands that the tests run neither use nor fill the user's cache of compiled programs.
 os.environ["STANDFAST_COMPILE_CACHE"] = "off"
+FOLDER_OF_JAX = "JAX_COMPILATION_CACHE_DIR"
+
+
+def pytest_configure(config):
+    """What one process compiles the others load: workers of pytest, commands, executors.
+
+    Only within a run, so that no program is older than the code under test.
+    """
+    if not hasattr(config, "workerinput"):
+        os.environ[FOLDER_OF_JAX] = tempfile.mkdtemp(prefix="standfast-tests-")
+        os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.05"
+        os.environ["JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES"] = "-1"
+    jax.config.update("jax_compilation_cache_dir", os.environ[FOLDER_OF_JAX])
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.05)
+    jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
+
+
+def pytest_unconfigure(config):
+    if not hasattr(config, "workerinput"):
+        shutil.rmtree(os.environ[FOLDER_OF_JAX], ignore_errors=True)
 
 
 @pytest.fixture(scope="session")

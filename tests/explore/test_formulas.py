@@ -1,5 +1,7 @@
 """The page's formulas, run by an engine of JavaScript, against our functions run by NumPy."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -178,3 +180,10 @@ def test_the_module_names_all_slots_and_quantities(module, tmp_path):
     assert list(found["springs"]) == [len(name) for name in rows]
     assert {f"reference_{name}" for name in OWN_BODY} < set(SLOTS)
     assert len(module.encode()) < 400_000
+
+
+def test_what_functions_share_finds_room():
+    text = formulas_module()
+    size = int(re.search(r"const found = new Float64Array\((\d+)\);", text)[1])
+    places = [int(place) for place in re.findall(r"\bfound\[(\d+)\]", text)]
+    assert size == max(places) + 1

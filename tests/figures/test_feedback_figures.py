@@ -10,6 +10,7 @@ import pytest
 
 import standfast as sf
 from reading import check_legible
+from standfast.figures import along
 from standfast.figures.along import crossings_of
 from standfast.figures.atlas_figures import plot
 from standfast.thresholds import planes, regions, tables
@@ -278,3 +279,27 @@ def test_what_has_no_limits_gets_a_sentence(tmp_path):
 )
 def test_studies_can_be_read(name):
     assert sf.Study.from_toml(STUDIES / f"{name}.toml").title
+
+
+def test_a_negative_delay_margin_is_not_said_to_be_a_fall(tmp_path):
+    """Beyond the critical delay a person may stand again."""
+    content = {
+        "gravity": GRAVITY,
+        "body": NOMINAL,
+        "stiffness": {"ankle": ANKLE, "knee": math.inf, "hip": math.inf},
+        "feedback": {
+            "proportional": {"ankle": 900.0},
+            "derivative": {"ankle": 250.0},
+            "delay": {"start": 0.0, "stop": 0.5, "num": 11},
+        },
+        "output": {"quantities": ["delay_margin", "decay_rate"]},
+    }
+    atlas = sf.sweep(content, tmp_path / "margin.h5")
+    said = {}
+    for quantity in content["output"]["quantities"]:
+        (said[quantity],) = (
+            text.get_text()
+            for text in along.curves_of(atlas, quantity).texts
+            if text.get_text() in ("falls", "beyond the critical delay")
+        )
+    assert said == {"delay_margin": "beyond the critical delay", "decay_rate": "falls"}

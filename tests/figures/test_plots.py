@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import standfast as sf
-from reading import check_legible
+from reading import check_legible, keep_figures
 from standfast.edwards2007 import drawings
 from standfast.figures import maps, painting, style
 from standfast.figures.atlas_figures import plot
@@ -29,14 +29,18 @@ def atlas_of(tmp_path, quantities, stiffness=None, body=None):
     return sf.sweep(sf.Study.from_dict(content), tmp_path / "a.h5")
 
 
-def test_an_atlas_gets_the_figures_its_axes_allow(tmp_path, drawn):
-    atlas = atlas_of(
-        tmp_path,
-        [
-            "stable", "frequency", "growth_rate", "hip_ankle_ratio", "critical_ankle_stiffness",
-            "critical_knee_stiffness",
-        ],
-    )  # fmt: skip
+@pytest.fixture(scope="module")
+def paper(tmp_path_factory):
+    """The figures of the paper."""
+    with pytest.MonkeyPatch.context() as patch:
+        figures = keep_figures(patch)
+        drawings.draw_all(tmp_path_factory.mktemp("paper"))
+    return figures
+
+
+def test_an_atlas_gets_the_figures_its_axes_allow(tmp_path):
+    wanted = ["stable", "frequency", "hip_ankle_ratio", "critical_ankle_stiffness"]
+    atlas = atlas_of(tmp_path, wanted)
     written = plot(atlas, tmp_path, formats=("png", "svg", "pdf"))
     names = {path.name for drawing in written for path in drawing.paths}
     assert {f"a-limits.{suffix}" for suffix in ("png", "svg", "pdf")} <= names
@@ -91,21 +95,20 @@ def test_an_unknown_quantity_gets_a_sentence_and_no_file(tmp_path):
     assert not list(tmp_path.glob("*.png"))
 
 
-def test_text_is_legible_inside_the_figure_and_does_not_overlap(tmp_path, drawn):
-    drawings.draw_all(tmp_path)
+def test_text_is_legible_inside_the_figure_and_does_not_overlap(tmp_path, drawn, paper):
     plot(atlas_of(tmp_path, ["stable", "frequency", "hip_ankle_ratio"]), tmp_path)
     sizes = {"height": [1.5, 1.6, 1.7, 1.8, 1.9], "bmi": [18.0, 20.0, 22.0, 25.0, 30.0, 35.0]}
     (tmp_path / "a.h5").unlink()
     plot(
         atlas_of(tmp_path, ["stable", "critical_hip_stiffness", "frequency"], None, sizes), tmp_path
     )
-    assert len(drawn) == 4 + 3 + 3
-    check_legible(drawn)
+    assert (len(paper), len(drawn)) == (4, 3 + 3)
+    check_legible([*paper, *drawn])
 
 
-def test_axes_are_labelled_with_units(tmp_path, drawn):
-    drawings.draw_all(tmp_path)
-    for figure in drawn:
+def test_axes_are_labelled_with_units(paper):
+    assert paper
+    for figure in paper:
         for ax in figure.axes:
             assert "(" in ax.get_xlabel()
             if ax.get_subplotspec().is_first_col():
@@ -117,9 +120,8 @@ def grey(color):
     return 0.299 * red + 0.587 * green + 0.114 * blue
 
 
-def test_curves_differ_without_colour(tmp_path, drawn):
-    drawings.draw_all(tmp_path)
-    contours = drawn[1].axes[0].lines[:6]
+def test_curves_differ_without_colour(paper):
+    contours = paper[1].axes[0].lines[:6]
     styles = [line.get_linestyle() + str(line._dash_pattern) for line in contours]
     assert len(set(styles)) == len(styles)
 

@@ -4,13 +4,28 @@ import itertools
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+from standfast.figures import style
+
 SMALLEST_TEXT = 6.0  # points, at the size in which the figure is printed
+
+
+def keep_figures(patch):
+    """Return the list of figures that would be saved, laid out as for saving; none is written."""
+    seen = []
+
+    def keep(figure, stem, formats=("png",)):
+        figure.draw_without_rendering()
+        seen.append(figure)
+        return [stem.with_name(f"{stem.name}.{suffix}") for suffix in formats]
+
+    patch.setattr(style, "save", keep)
+    return seen
 
 
 def texts(figure):
     """Every text that is drawn, with its box; ticks beyond the axes exist but are not drawn."""
     canvas = FigureCanvasAgg(figure)
-    canvas.draw()
+    figure.draw_without_rendering()
     found = [text for legend in figure.legends for text in legend.get_texts()]
     for ax in figure.axes:
         if not ax.axison:

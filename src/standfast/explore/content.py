@@ -5,7 +5,6 @@ Plain values for JSON, which has no infinity: it is the text "inf", and NaN is n
 
 import json
 import math
-import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -13,7 +12,7 @@ import numpy as np
 
 from standfast.anthropometry.body import REFERENCE_PEOPLE
 from standfast.errors import InputError, nearest_name, shortened
-from standfast.explore.sliders import span_of
+from standfast.explore.sliders import OWN, span_of
 from standfast.parameters import NOISES, OWN_BODY, PARAMETERS, Parameter
 from standfast.quantities import QUANTITIES
 from standfast.study.study import Study
@@ -33,21 +32,6 @@ NOMINAL: Mapping[str, Any] = {
 }
 # Where its point lies: an adult who just stands.
 NOMINAL_START: Mapping[str, float | str] = {"ankle_stiffness": 1200.0, "hip_stiffness": 500.0}
-
-OWN = "own"  # who is measured segment by segment, among the models of a body
-NERVES = ("damping", "feedback", "noise")
-SYMBOLS = {
-    r"\bar f": "f̄",
-    r"\Delta": "Δ",
-    r"\lambda": "λ",
-    r"\sigma": "σ",
-    r"\theta": "θ",
-    r"\zeta": "ζ",
-    r"\tau": "τ",
-    r"\det": "det",
-    r"\min": "min",
-    r"\,": " ",
-}
 
 
 def content_of(
@@ -88,9 +72,7 @@ def content_of(
     x, y = plane_of(study, quantities[0], live=stops is None)
     encoded = None
     if stops is not None and embedded is not None:
-        axes = {name: for_json(axis.tolist()) for name, axis in stops.items()}
-        encoded = {"axes": axes, "values": dict(embedded)}
-    nerves = any(_section(name) in NERVES for name in study.parameters)
+        encoded = {"values": dict(embedded)}
     return {
         "title": study.title or "Standing",
         "version": __version__,
@@ -100,7 +82,6 @@ def content_of(
         "parameters": rows,
         "people": _people(study, start),
         "quantities": [_quantity(study, name, live=stops is None) for name in quantities],
-        "has_nerves": stops is None or nerves,
         "embedded": encoded,
         "subjects": [for_json(dict(one)) for one in subjects],
         "start": {"x": x, "y": y, "quantity": quantities[0]},
@@ -178,7 +159,6 @@ def _parameter(
     told = {
         "name": row.name,
         "words": row.words,
-        "symbol": plain_symbol(row.symbol),
         "unit": row.unit,
         "meaning": row.meaning,
         "section": row.section,
@@ -207,14 +187,13 @@ def _quantity(study: Study, name: str, *, live: bool) -> dict[str, Any]:
     return {
         "name": name,
         "words": row.words,
-        "symbol": plain_symbol(row.symbol),
         "unit": row.unit,
         "meaning": row.meaning,
         "dtype": row.dtype,
         "flags": list(row.flags),
         "limit": row.limit,
-        "of_nerves": row.reference is None,
         "of_noise": row.reference is None and any(map(row.depends_on, NOISES)),
+        "jumps": row.jumps,
         "axes": None if live else list(study.axes_of(name)),
     }
 
@@ -230,18 +209,6 @@ def _people(study: Study, start: Mapping[str, float | str]) -> dict[str, dict[st
         own = {name: float(start[name]) for name in OWN_BODY}
         people = {OWN: {**own, "height": 1.0, "mass": 1.0}, **people}
     return people
-
-
-def plain_symbol(tex: str) -> str:
-    r"""Return a symbol of a formula as plain text: ``K_{a,\mathrm{crit}}`` is K_a,crit."""
-    text = re.sub(r"\\mathrm\{(.*?)\}", r"\1", tex)
-    for command, letter in SYMBOLS.items():
-        text = text.replace(command, letter)
-    return text.translate({ord("{"): None, ord("}"): None})
-
-
-def _section(name: str) -> str:
-    return PARAMETERS[name].section.partition(".")[0]
 
 
 def for_json(value: Any) -> Any:

@@ -6,6 +6,7 @@ and with couplings, and what it computed is printed by :mod:`.printing`.
 The body's eleven numbers are computed before, at each place of a plane where an axis changes them.
 """
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -42,17 +43,20 @@ def formulas_module() -> str:
     parts = [f"export const slots = {object_of({n: str(k) for n, k in SLOTS.items()})};"]
     parts += [f"export const slotCount = {len(SLOTS)};", HELPERS, _body(record)]
     parts.append(f"const couplings = new Set([{', '.join(str(SLOTS[n]) for n in COUPLINGS)}]);")
-    parts.append(PLANES.replace("BODY_NUMBERS", str(len(OWN_BODY))).replace("FOUND_NUMBERS", "12"))
+    place, size = len(parts), 0
     entries: dict[str, list[str]] = {}
     for coupled in (False, True):
         person = _person(record, coupled=coupled)
         kind = "coupled" if coupled else "uncoupled"
-        shared, ways = _ways(record, person, kind)
+        shared, ways, found_numbers = _ways(record, person, kind)
         parts += shared
+        size = max(size, found_numbers)
         inner = (*STIFFNESSES, *COUPLINGS) if coupled else STIFFNESSES
         for way in ways:
             parts += functions_of(way, kind, inner)
             entries.setdefault(way.name, []).append(entry_of(way, kind, inner))
+    numbers = {"BODY_NUMBERS": len(OWN_BODY), "FOUND_NUMBERS": size}
+    parts.insert(place, re.sub("|".join(numbers), lambda word: str(numbers[word[0]]), PLANES))
     parts.append(f"export const springs = {_quantities(entries)};")
     person = _person(record, coupled=False)
     ways = [*_of_one_joint(record, person)]
@@ -96,8 +100,11 @@ def _body(record: Record) -> str:
     )
 
 
-def _ways(record: Record, person: Person, kind: str) -> tuple[list[str], list[Way]]:
-    """Return the ways of all quantities of springs, and the functions that they share."""
+def _ways(record: Record, person: Person, kind: str) -> tuple[list[str], list[Way], int]:
+    """Return the functions that quantities of springs share, the ways of all, and a size.
+
+    That is how many numbers a shared function finds at most.
+    """
     functions: list[str] = []
     found: dict[Any, tuple[Any, str]] = {}
     fast: dict[Any, tuple[Any, Fast]] = {}
@@ -124,7 +131,8 @@ def _ways(record: Record, person: Person, kind: str) -> tuple[list[str], list[Wa
             result, way_of_rows = fast[quick]
             way = way._replace(fast=way_of_rows, pick=_number(record, row.pick(person, result)))
         ways.append(way)
-    return functions, ways
+    size = max(len(flat(each)) for each, _ in [*found.values(), *fast.values()])
+    return functions, ways, size
 
 
 def _of_springs() -> Iterator[Quantity]:

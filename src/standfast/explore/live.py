@@ -11,6 +11,7 @@ import numpy as np
 from standfast.atlas.memory import arrays_of
 from standfast.engine.delays import FEW
 from standfast.errors import InputError, nearest_name, shortened
+from standfast.explore.sliders import OWN
 from standfast.mechanics.feedback import delay_of, equation_of
 from standfast.parameters import JOINTS, OWN_BODY, PARAMETERS
 from standfast.quantities.person_facts import facts_of_sway, facts_with_feedback, person_of
@@ -126,7 +127,7 @@ class Live:
         if not isinstance(given, Mapping):
             raise InputError(f"parameters = {shortened(given)} are not values by name")
         given = dict(given)
-        if self.own and given.get("body_model", "own") == "own":
+        if self.own and given.get("body_model", OWN) == OWN:
             given = {name: value for name, value in given.items() if name not in SCALED}
             given = {**self.own, **given}
         found: dict[str, Any] = {}

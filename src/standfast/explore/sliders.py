@@ -29,6 +29,7 @@ SPANS = {
     "noise": (0.0, 5.0),
 }
 STEPS = 200  # of a slider from end to end, about
+OWN = "own"  # who is measured segment by segment, among the models of a body
 SIZES = ("mass", "bmi")  # a body has one of them
 
 
@@ -102,7 +103,7 @@ def start_of(
     if stops is None:
         check_complete(start)
         if own:
-            start["body_model"] = "own"
+            start["body_model"] = OWN
     return start
 
 

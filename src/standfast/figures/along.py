@@ -196,7 +196,8 @@ def _set_height(ax: Axes, quantity: str, curves: Sequence[np.ndarray]) -> None:
     ax.set_ylim(low, high)
     if limit is not None and low < limit < high:
         ax.axhspan(low, limit, color="0.93", zorder=0)
-        words = "falls"
+        # beyond the critical delay there may be delays at which the person stands again
+        words = "beyond the critical delay" if quantity == "delay_margin" else "falls"
         if (limit - low) / (high - low) > 0.08:
             ax.text(0.02, 0.03, words, transform=ax.transAxes, fontsize="small", color=GREY)
     elif values.size and values.min() < 0.0 < values.max():

@@ -39,8 +39,6 @@ LONG_DELAYS = ("critical_delay", "delay_margin")
 # Values that run away to infinity are cut at so many times their median, as curves are.
 RUNNING_AWAY, CUT_AT = 8.0, 4.0
 
-# No contours are drawn of what jumps, from one root or mode to another.
-JUMPING = ("sway_frequency", "damping_ratio", "hip_ankle_ratio", "knee_ankle_ratio")
 STRATEGIES = "hip_ankle_ratio"
 
 
@@ -241,7 +239,7 @@ def draw_map(
     mesh = _coloured(ax, panel, shown, colours, logarithmic)
     if region is not None:
         painting.draw_falls(ax, region, cover=quantity == CRITICAL)
-    if QUANTITIES[quantity].dtype != "uint8" and quantity not in JUMPING:
+    if QUANTITIES[quantity].dtype != "uint8" and not QUANTITIES[quantity].jumps:
         lined = panel.values.astype(float)
         if quantity == CRITICAL:
             lined[lined == 0.0] = np.nan

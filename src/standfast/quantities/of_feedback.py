@@ -66,6 +66,7 @@ OF_FEEDBACK = (
         None,
         without=(NOISE,),
         fed_back=answers.sway_frequency,
+        jumps=True,
     ),
     Quantity(
         "damping_ratio",
@@ -75,6 +76,7 @@ OF_FEEDBACK = (
         None,
         without=(NOISE,),
         fed_back=answers.damping_ratio,
+        jumps=True,
         limit=0.0,
     ),
 )

@@ -61,6 +61,7 @@ def _rotation(joint: str) -> Quantity:
         modes_of,
         lambda one, found: ratio_to_ankle(joint, one.stiffness, found),
         without=NERVES,
+        jumps=True,
     )
 
 

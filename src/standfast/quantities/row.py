@@ -63,8 +63,11 @@ class Quantity:
     ``fed_back`` answers it for persons with delayed feedback (:class:`.delay.answers.FedBack`), in
     studies that have gains; a quantity without ``reference`` is found that way in every study.
     ``of_one_joint`` finds it in closed form where two joints are rigid throughout a study. ``own``
-    is one that a user added. ``limit`` is its value at the limit of standing, below which the
-    person falls, if there is such a value.
+    is one that a user added. ``limit`` is its value at the limit of standing, if there is such a
+    value. Below it the person falls, but for ``delay_margin``: beyond the critical delay there can
+    be windows of delays at which they stand again, so that the verdict alone says it.
+    ``jumps`` says that it does so between neighbours, from one root or mode to another, so that
+    contours of it are none.
     """
 
     name: str
@@ -82,6 +85,7 @@ class Quantity:
     of_one_joint: Callable[[Person], Scalar] | None = None
     own: bool = False
     limit: float | None = None
+    jumps: bool = False
 
     @property
     def label(self) -> str:

@@ -12,9 +12,6 @@ const CONTOUR_POINTS = 101;
 const LIMIT_POINTS = 401;
 const LEVELS = 8;
 
-/** No contours are drawn of what jumps, from one root or mode to another. */
-const JUMPING = new Set(["sway_frequency", "damping_ratio", "hip_ankle_ratio", "knee_ankle_ratio"]);
-
 /** The map in its figure: `show` draws what it is given, at once. */
 export class StandingMap {
   #plot;
@@ -159,7 +156,7 @@ function lines(grid, x, y, level, most) {
 }
 
 function contoursOf({ sample, x, y, quantity }, scale) {
-  if (quantity.dtype === "uint8" || JUMPING.has(quantity.name)) return [];
+  if (quantity.dtype === "uint8" || quantity.jumps) return [];
   const levels = roundNumbers(scale.low, scale.high, LEVELS);
   const apart = 1e-9 * (scale.high - scale.low);
   return levels

@@ -27,6 +27,7 @@ ARGUMENTS = [
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
 ]  # fmt: skip
 MOVES = 60
+FULL = 401  # points along a side of the map
 STARTS = 5
 SPRINGS = {
     "stable": 33.0, "critical_ankle_stiffness": 33.0, "safety_factor": 33.0, "frequency": 33.0,
@@ -45,8 +46,9 @@ BIG = {
     "output": {"quantities": ["safety_factor"]},
 }  # fmt: skip
 
-# Move a slider step by step, and return how long each took in ms. Springs: until the picture is
-# painted, as the page measures it. Others: until nothing is under way and a frame was painted.
+# Move a slider step by step, and return how long each took in ms and how many points a side the
+# picture had then. Springs: until the picture is painted, as the page measures it. Others: until
+# nothing is under way and a frame was painted.
 MOVE = """async ([id, moves, waits]) => {
   const slider = document.getElementById(id);
   const [low, high] = [Number(slider.min), Number(slider.max)];
@@ -56,6 +58,7 @@ MOVE = """async ([id, moves, waits]) => {
     channel.port2.postMessage(0);
   }));
   const times = [];
+  const sides = [];
   for (let i = 0; i < moves; i++) {
     slider.value = String(low + (high - low) * (0.5 + 0.25 * Math.sin(i / 9)));
     const began = performance.now();
@@ -63,9 +66,10 @@ MOVE = """async ([id, moves, waits]) => {
     let end = await painted();
     if (waits) while (!document.getElementById("computing").hidden) end = await painted();
     times.push(end - began);
+    sides.push(globalThis.standfastDrawn.side);
     await new Promise((done) => setTimeout(done, 40));
   }
-  return waits ? times : globalThis.standfastTimes.slice(-moves);
+  return { times: waits ? times : globalThis.standfastTimes.slice(-moves), sides };
 }"""
 
 
@@ -133,13 +137,18 @@ def measure(
 ) -> None:
     """Move a slider; add a row, and a demand where there is a limit in ms."""
     page.evaluate(MOVE, [slider, 15, waits])  # until the browser has compiled what runs often
-    times = page.evaluate(MOVE, [slider, MOVES, waits])
+    found = page.evaluate(MOVE, [slider, MOVES, waits])
     page.close()
-    report.rows.append(Row(f"{what}, input to painted", [t / 1000.0 for t in times], 1, "maps"))
-    print(f"  {what}: {1000.0 * report.rows[-1].median:.1f} ms", flush=True)
+    seconds = [time / 1000.0 for time in found["times"]]
+    full = sum(side == FULL for side in found["sides"])
+    drawn = f"{full} of {MOVES} with {FULL} × {FULL} points, least {min(found['sides'])}"
+    report.rows.append(Row(f"{what}, input to painted", seconds, 1, "maps", drawn))
+    print(f"  {what}: {1000.0 * report.rows[-1].median:.1f} ms, {drawn}", flush=True)
     if limit is not None:
-        found = 1000.0 * report.rows[-1].median
-        report.demands.append(Demand(f"{what}, ms", limit, found, most=True))
+        median = 1000.0 * report.rows[-1].median
+        report.demands.append(Demand(f"{what}, ms", limit, median, most=True))
+        if not waits:
+            report.demands.append(Demand(f"{what}, share drawn in full", 1.0, full / MOVES))
 
 
 def opened(page: Page, address: str, state: str) -> Page:

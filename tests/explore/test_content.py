@@ -113,7 +113,6 @@ def test_noise_is_of_nerves_and_its_quantities_are_told_apart():
     ]  # fmt: skip
     content = {**UNEQUAL, "noise": {"ankle": [1.0, 2.0]}, "output": {"quantities": ["ankle_sway"]}}
     noisy = told(content, atlas=True)
-    assert noisy["has_nerves"]
     assert rows(noisy)["ankle_noise"]["stops"] == [1.0, 2.0]
 
 

@@ -175,6 +175,10 @@ def test_every_slider_moves_what_is_seen_or_the_page_says_why_not(springs_file, 
         found = page.evaluate(MOVED, [name, state])
         if {"map", "numbers"} <= {*found["moved"]}:
             continue
+        if name.endswith("_noise"):
+            page.evaluate(MOVED, [name, f"{joint}_damping=10"])
+            assert "needs the program" in page.inner_text("#sway-words"), name
+            continue
         # a gain from one joint to another, of which only one is free here
         assert name.split("_")[0] != name.split("_")[1], name
         found = page.evaluate(MOVED, [name, ""])

@@ -98,7 +98,9 @@ export class Explorer {
     }
     this.#write(elements.word, sample.word);
     controls(state.values);
-    this.#showPerson(resting);
+    // while a slider moves the map comes first, and the person once it is painted
+    if (resting) this.#showPerson(resting);
+    else setTimeout(() => this.#showPerson(false));
     if (sample.coarse && resting && !sample.pending) this.draw();
     if (resting) this.#say(sample.pending);
     if (began) this.#measure(began);

@@ -9,7 +9,8 @@ export const SIDE = 401;
 const SIDES = [SIDE, 201, 101];
 const SWAY_SIDE = 201; // of sway, which takes the program longest
 const COARSE = 41; // of what the program computes while a slider moves
-const BUDGET = 12; // ms, for the values of one picture
+// ms, for the values of one picture while a slider moves
+const BUDGET = { springs: 12, oneJoint: 60 };
 const RECENT = 6; // planes, the quickest of which says what one takes
 const STANDING_SIDE = 201;
 const LIMIT_SIDE = 101;
@@ -87,7 +88,7 @@ export class Planes {
     const live = this.#askedLive(state, ways, grid, resting);
     const found = (way, of, side) =>
       way === "live" ? (live?.[of] ?? null) : this.#computed(state, way, of, grid(side));
-    const side = resting ? SIDE : this.#affordable(this.#sort(state, ways.shown, name));
+    const side = resting ? SIDE : this.#affordable(ways.shown, this.#sort(state, ways.shown, name));
     const shown = found(ways.shown, name, side);
     const standing =
       name === "stable" ? shown : found(ways.standing, "stable", Math.min(side, STANDING_SIDE));
@@ -122,9 +123,9 @@ export class Planes {
     return `${way} ${name} ${coupled} ${state.x} ${state.y}`;
   }
 
-  #affordable(sort) {
+  #affordable(way, sort) {
     const cost = Math.min(...(this.#cost.get(sort) ?? [0]));
-    return SIDES.find((side) => cost * side * side <= BUDGET) ?? SIDES.at(-1);
+    return SIDES.find((side) => cost * side * side <= (BUDGET[way] ?? 0)) ?? SIDES.at(-1);
   }
 
   #computed(state, way, name, { xs, ys }) {

@@ -49,7 +49,7 @@ class Address:
     """A server on its own thread, and how a browser asks it."""
 
     def __init__(self, stand_ins):
-        self.served = Served("<p>the page</p>", TOKEN, lambda: stand_ins, stand_ins)
+        self.served = Served(lambda: "<p>the page</p>", TOKEN, lambda: stand_ins, stand_ins)
         self.ready, self.loop, self.stop = threading.Event(), None, None
         self.thread = threading.Thread(target=asyncio.run, args=(self._run(),))
         self.thread.start()

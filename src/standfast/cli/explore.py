@@ -138,7 +138,6 @@ def _subjects(texts: list[str]) -> list[dict[str, Any]]:
 
 def _serve(options: argparse.Namespace, study: "Study", atlas: "Atlas | None") -> None:
     from standfast.explore import content, sliders
-    from standfast.explore.page import page_html
     from standfast.explore.planes import Planes
     from standfast.explore.server import ADDRESS, Served, listening, serve
 
@@ -163,12 +162,20 @@ def _serve(options: argparse.Namespace, study: "Study", atlas: "Atlas | None") -
 
         return Live(own)
 
-    served = Served(page_html(told), token, live, planes)
+    @functools.cache
+    def page() -> str:
+        """Make the page, which takes as long as a browser takes to start."""
+        from standfast.explore.page import page_html
+
+        return page_html(told)
+
+    served = Served(page, token, live, planes)
     at = listening(options.port)
     address = f"http://{ADDRESS}:{at.getsockname()[1]}/?token={token}"
 
     def ready() -> None:
         print(f"Open {address}\nCtrl-C ends it", flush=True)
+        served.threads["person"].submit(page)
         if not options.no_browser:
             threading.Thread(target=_open, args=(address, served.seen), daemon=True).start()
 

@@ -51,13 +51,12 @@ class SupersededError(Exception):
 class Served:
     """What a server hands out, and the threads that compute it.
 
-    ``page`` is the page's text, ``live`` makes the engine ready when it is first asked for;
-    ``planes`` is None without an atlas. Planes of few points have a thread of their own (``few``),
-    so that none waits until one of ``many`` is compiled. ``newest`` holds by page what ends the
-    plane that is computed for it; ``seen`` is set once a browser has got the page, or none will.
+    ``page`` makes the page, ``live`` the engine; ``planes`` is None without an atlas. Planes of few
+    points have a thread of their own (``few``), so that none waits until one of ``many`` is
+    compiled. ``newest`` holds by page what ends its plane; ``seen``: a browser has it (or never).
     """
 
-    page: str
+    page: Callable[[], str]
     token: str
     live: Callable[[], "Live"]
     planes: "Planes | None" = None
@@ -211,13 +210,14 @@ class _Page(_Answer):
     def check(self) -> None:
         self.check_token(self.get_query_argument("token", None))
 
-    def get(self) -> None:
+    async def get(self) -> None:
         self.set_header("Content-Type", "text/html; charset=utf-8")
         # what else the page may do it says itself, and the rule of frames cannot stand there
         self.set_header("Content-Security-Policy", FRAMES)
-        self.finish(self.served.page)
+        run = asyncio.get_running_loop().run_in_executor
+        self.finish(await run(self.served.threads["person"], self.served.page))
         self.served.seen.set()
-        # whoever looks at the page will ask soon, and the engine takes a second to get ready
+        # who looks at the page will ask soon, and the engine takes a second to get ready
         self.served.threads["few"].submit(self.served.live)
 
 

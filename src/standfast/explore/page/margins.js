@@ -49,7 +49,8 @@ function edgeOf(joints) {
   const finite = (values) => values.filter((value) => Number.isFinite(value));
   const own = finite(joints.map((joint) => joint.own));
   const every = finite(joints.map((joint) => joint.needed)).concat(own);
-  return Math.min(1.25 * Math.max(...every, 1), 3 * Math.max(...(own.length ? own : every), 1));
+  const ordinary = own.some((value) => value > 0) ? own : every;
+  return Math.min(1.25 * Math.max(...every, 1), 3 * Math.max(...ordinary, 1));
 }
 
 function showBar(row, joint, edge, write) {

@@ -80,7 +80,7 @@ export function jointRows(facts) {
     const has = own === Number.POSITIVE_INFINITY ? "rigid" : shortNumber(own);
     const needs = Number.isFinite(needed)
       ? `needs ${shortNumber(needed)}`
-      : "no stiffness suffices";
+      : "cannot make up for the others";
     const soft = !(own > needed) && Number.isFinite(needed) ? " – too soft" : "";
     return { joint, own, needed, holds: own > needed, words: `${has}, ${needs}${soft}` };
   });

@@ -167,7 +167,7 @@ def rightmost_root(
     checked_person(body, stiffness, gravity)
     _refuse_traced("rightmost_root", body, stiffness, gravity, damping, feedback)
     fed_back = checked_feedback(feedback)
-    numbers, rigid = _numbers(body, stiffness, gravity, checked_damping(damping), fed_back)
+    numbers, rigid = numbers_of(body, stiffness, gravity, checked_damping(damping), fed_back)
     root, proven = all_rightmost(numbers, rigid, np.array([float(fed_back.delay)]))
     if not proven[0]:
         raise ArithmeticError(f"no root was proven to be the rightmost; the best was {root[0]}")
@@ -199,7 +199,7 @@ def _refuse_traced(
 def _table(
     body: Body, stiffness: Stiffness, gravity: Scalar, damping: Any, feedback: Feedback
 ) -> Crossings:
-    table = all_crossings(*_numbers(body, stiffness, gravity, damping, feedback))
+    table = all_crossings(*numbers_of(body, stiffness, gravity, damping, feedback))
     # a root at 0, at every delay, is known not to stand whatever else rounding leaves open
     if table.uncertain[0] and not table.neutral[0]:
         raise ArithmeticError(
@@ -209,7 +209,7 @@ def _table(
     return table
 
 
-def _numbers(
+def numbers_of(
     body: Body, stiffness: Stiffness, gravity: Scalar, damping: Any, feedback: Feedback
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return A, B, C, P, D of one person as (5, 3, 3, 1), and which joints are rigid, (3, 1)."""

@@ -12,10 +12,10 @@ from standfast.anthropometry.body import Body
 from standfast.errors import InputError, says_its_arguments, shortened
 from standfast.mechanics.feedback import Feedback, checked_damping, checked_feedback
 from standfast.mechanics.joints import Stiffness, checked_person
-from standfast.mechanics.matrices import joint_gravity, joint_inertia, stiffness_rows
+from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import TURN, Array, Scalar
 from standfast.parameters import JOINTS, PARAMETERS, STANDARD_GRAVITY, checked_number
-from standfast.stability.feedback import is_stable
+from standfast.stability.feedback import is_stable, numbers_of
 from standfast.stability.sway.density import COM, COP, PAIRS, Swaying, densities
 from standfast.stability.sway.integral import integral
 from standfast.stability.sway.persons import damped, swaying_of, variance
@@ -172,17 +172,9 @@ def _swaying(
     checked_person(body, stiffness, gravity)
     fed_back = checked_feedback(feedback)
     stands = is_stable(body, stiffness, gravity, damping=damping, feedback=fed_back)
-    parts = (
-        joint_inertia(body),
-        checked_damping(damping),
-        stiffness_rows(body, stiffness, gravity),
-        fed_back.proportional,
-        fed_back.derivative,
-    )
-    numbers = np.array([np.asarray(part, np.float64) for part in parts])[..., None]
+    numbers, rigid = numbers_of(body, stiffness, gravity, checked_damping(damping), fed_back)
     loads = np.array(joint_gravity(body, gravity)[0], float)
     weight = np.array([float(np.sum(body.segment_mass)) * float(gravity)])
-    rigid = np.isinf(np.array(stiffness.joints, np.float64))[:, None]
     delay = np.array([float(fed_back.delay)])
     swaying = swaying_of(
         numbers,

@@ -125,7 +125,7 @@ KINDS = {
     "stiff": (stiff, CASES),
     "extreme": (extreme, CASES),
     "soft": (soft, CASES),
-    "near_zero": (near_zero, CASES),
+    "near_zero": (near_zero, 3 * CASES),
     "near_equal": (near_equal, 30),
 }
 

@@ -62,6 +62,8 @@ def setting_of(
     numbers = {"height": people.height, "mass": people.mass}
     if len(set(models)) > 1:
         numbers["stratum"] = np.array([sexes.index(sex) for sex in people.sex], np.float64)
+    else:
+        models = models[:1]  # whichever sexes there are, one program
     own = {name: people.measured[name] for name in OWN_BODY if name in people.measured}
     return (models, gravity), {**numbers, **own}
 

@@ -32,6 +32,12 @@ def pytest_configure(config):
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers(config):
+    """One more than cores: tests wait for browsers, for disks, and for processes of their own."""
+    return (os.cpu_count() or 1) + 1
+
+
 def pytest_unconfigure(config):
     if not hasattr(config, "workerinput"):
         shutil.rmtree(os.environ[FOLDER_OF_JAX], ignore_errors=True)

@@ -143,12 +143,12 @@ def fifty(tmp_path_factory):
 
 
 def test_a_person_gets_the_same_bits_in_any_company(fifty, monkeypatch):
-    """And one program serves any number of persons: all that it is handed has one shape."""
-    lengths = set()
+    """And what is compiled for them serves any number of persons, on every planet."""
+    programs = set()
 
     def noted(*problem):
         def mapped(numbers):
-            lengths.add(numbers.shape[1])
+            programs.add((*problem, numbers.shape))
             return map_over_batch(*problem)(numbers)
 
         return mapped
@@ -156,12 +156,14 @@ def test_a_person_gets_the_same_bits_in_any_company(fifty, monkeypatch):
     monkeypatch.setattr("standfast.population.assess.map_over_batch", noted)
     otherwise = {"knee": 900.0, "hip": "0.6mgh"}
     whole = sf.assess(fifty, otherwise=otherwise).columns
+    compiled = set(programs)
     for company in ([0], [7], [3, 1], range(49, -1, -1), range(5, 38)):
         chosen = np.array(company)
         found = sf.assess(fifty.at(chosen), otherwise=otherwise).columns
         for name, values in whole.items():
             np.testing.assert_array_equal(found[name], values[chosen], err_msg=name)
-    assert len(lengths) == 1
+    sf.assess(fifty, otherwise=otherwise, gravity=1.62)
+    assert programs == compiled
 
 
 def test_pieces_and_their_length_are_irrelevant(fifty, monkeypatch):

@@ -11,7 +11,6 @@ import standfast as sf
 from delay_oracles import crossings_by_pencil
 from delay_people import random_persons
 from standfast.engine import delays as engine
-from standfast.engine import mapping
 from standfast.engine.grid import Evaluator
 from standfast.engine.mapping import in_batches
 from standfast.quantities import QUANTITIES
@@ -82,7 +81,6 @@ def chart(request):
         patch.setattr(grid, "FED_BACK_PERSONS", 16)
         patch.setattr(grid, "FED_BACK_NUMBERS", 64)
         patch.setattr(engine, "FEW", 0 if request.param == "compiled" else 10**9)
-        patch.setattr(mapping, "BATCH", 4096)
         content = CHART
         if request.param == "compiled":  # each number of free joints compiles anew
             content = {**CHART, "stiffness": {**CHART["stiffness"], "hip": 600.0}}

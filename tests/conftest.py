@@ -27,7 +27,7 @@ def pytest_configure(config):
         os.environ[FOLDER_OF_JAX] = tempfile.mkdtemp(prefix="standfast-tests-")
         os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.05"
         os.environ["JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES"] = "-1"
-        # OpenBLAS's threads wait by spinning, so workers take the cores from each other: three files
+        # OpenBLAS waits by spinning, so workers take the cores from each other: three files
         # of tests/stability on two cores beside other work took 33 s of CPU, and 14 s with one.
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     jax.config.update("jax_compilation_cache_dir", os.environ[FOLDER_OF_JAX])

@@ -205,7 +205,7 @@ def test_the_map_opens_on_the_axes_of_the_figures():
 
 def test_a_quantity_that_is_not_there_is_said():
     study = sf.Study.from_dict(GOOD)
-    with pytest.raises(sf.InputError, match="did you mean 'frequency'"):
+    with pytest.raises(sf.InputError, match=r"no 'frequenzy'; did you mean 'frequency'\?$"):
         chosen_quantities(study, ["frequenzy"], live=True)
     with pytest.raises(sf.InputError, match="no 'frequency' \\(quantities: stable\\)"):
         chosen_quantities(study, ["frequency"], live=False)

@@ -125,6 +125,6 @@ export function fillPerson(content, slots, values, person) {
     }
   }
   person[slots.by_bmi] = "bmi" in values && !("mass" in values) ? 1 : 0;
-  if (!("gravity" in values)) person[slots.gravity] = 9.80665;
+  if (!("gravity" in values)) person[slots.gravity] = content.constants.gravity;
   return person;
 }

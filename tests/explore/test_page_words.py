@@ -5,10 +5,11 @@ import re
 
 import numpy as np
 import pytest
+from axe_playwright_python.sync_playwright import Axe
 from PIL import Image
 
 from explore_content import embedded_content, springs_content
-from explore_page import picture, rest, slide, table, taken
+from explore_page import picture, rest, slide, table, taken, typed
 from standfast.explore.page import page_html
 from standfast.quantities import QUANTITIES
 
@@ -201,6 +202,28 @@ def test_sway_on_the_map_is_in_the_units_of_the_field_and_who_falls_is_hatched(p
     assert 0.5 < near.mean() < 1.0  # the rest is hatched
     yellow = np.abs(left - (254, 232, 56)).max(axis=1) < 20
     assert not yellow.any()
+
+
+def test_where_no_stiffness_suffices_the_colour_is_that_of_who_falls(springs_file, opened):
+    # above the limit of the scale there is a colour of its own, which infinite has not
+    page = opened(springs_file, "quantity=critical_ankle_stiffness&window=0,3000,0,150")
+    colours = np.array(Image.open(io.BytesIO(picture(page))).convert("RGB"), int)
+    inside = colours[::4, colours.shape[1] // 4 : -colours.shape[1] // 8].reshape(-1, 3)
+    assert (np.abs(inside - FALLS).max(axis=1) < 3).mean() > 0.4
+    assert "hatched" in page.get_attribute("#bar", "aria-label")
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_no_barrier_is_found_by_axe_in_what_is_said(page_of, dark):
+    subjects = [subject("Anna", ankle=700.0, hip=350.0), subject("Bo", ankle=5000.0, hip=1.0)]
+    content = springs_content(notes=["Something is left out."], subjects=subjects)
+    page = page_of(content, size=(390, 844), dark=dark)
+    typed(page, "mass", "-1")
+    rest(page)
+    assert page.inner_text("#e-mass") != ""
+    found = Axe().run(page)
+    assert found.violations_count == 0, found.generate_report()
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
 
 
 NAME = """() => {

@@ -15,7 +15,14 @@ from standfast.anthropometry.tables import ANKLE_HEIGHT
 from standfast.errors import InputError, nearest_name, shortened
 from standfast.explore.sliders import OWN, span_of
 from standfast.figures.choosing import CUT_AT, RUNNING_AWAY
-from standfast.parameters import NOISES, OWN_BODY, PARAMETERS, STANDARD_GRAVITY, Parameter
+from standfast.parameters import (
+    NOISES,
+    OWN_BODY,
+    PARAMETERS,
+    STANDARD_GRAVITY,
+    STIFFNESSES,
+    Parameter,
+)
 from standfast.quantities import QUANTITIES
 from standfast.quantities.row import Quantity
 from standfast.study.study import Study
@@ -35,6 +42,7 @@ NOMINAL: Mapping[str, Any] = {
 }
 # Where its point lies: an adult who just stands.
 NOMINAL_START: Mapping[str, float | str] = {"ankle_stiffness": 1200.0, "hip_stiffness": 500.0}
+THRESHOLDS = [f"critical_{name}" for name in STIFFNESSES]
 # In which unit sway is read, by its SI unit, and how many of them that is.
 SWAY_UNITS = {"rad": ("°", math.degrees(1.0)), "m": ("mm", 1e3), "m/s": ("mm/s", 1e3)}
 
@@ -202,6 +210,8 @@ def _quantity(study: Study, name: str, *, live: bool) -> dict[str, Any]:
         "flags": list(row.flags),
         "limit": row.limit,
         "of_noise": is_sway(row),
+        # who falls has no bounds of sway, and where no stiffness suffices all fall
+        "infinite_falls": is_sway(row) or name in THRESHOLDS,
         "jumps": row.jumps,
         "axes": None if live else list(study.axes_of(name)),
     }

@@ -54,8 +54,8 @@ export function scaleFor(quantity, ends) {
   const [low, high] = ends;
   const apart = quantity.limit > low && quantity.limit < high;
   const limit = apart ? quantity.limit : Number.NaN;
-  // who falls has no bounds of sway
-  return { kind: apart ? "apart" : "even", low, high, limit, infiniteFalls: quantity.of_noise };
+  const { infinite_falls: infiniteFalls } = quantity;
+  return { kind: apart ? "apart" : "even", low, high, limit, infiniteFalls };
 }
 
 /** Where a value lies on a scale, from 0 to 1, or beyond. */

@@ -110,8 +110,11 @@ export function marginRows(facts, fedBack, nerves) {
   rows.push([nerves.gained ? "With feedback" : "With damping", ""]);
   const known = (value) => value !== null && value !== undefined && !Number.isNaN(value);
   const add = (name, value, unit) => known(value) && rows.push([name, measuredUnit(value, unit)]);
-  add("Critical delay", fedBack.critical_delay, "s");
-  add("Delay margin", fedBack.delay_margin, "s");
+  if (nerves.gained) {
+    // of damping alone there is no delay
+    add("Critical delay", fedBack.critical_delay, "s");
+    add("Delay margin", fedBack.delay_margin, "s");
+  }
   if (known(fedBack.unstable_roots)) {
     rows.push(["Unstable roots", String(fedBack.unstable_roots)]);
   }

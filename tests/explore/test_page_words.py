@@ -52,11 +52,13 @@ def test_who_is_not_on_the_map_is_said(page_of):
 
 def test_a_subject_on_the_map_of_another_body_is_named(page_of):
     subjects = [{"label": "Anna", "values": {
-        "ankle_stiffness": 700.0, "hip_stiffness": 350.0, "height": 1.6, "mass": 75.3,
+        "ankle_stiffness": 700.0, "hip_stiffness": 350.0, "knee_stiffness": "inf",
+        "height": 1.6, "mass": 75.3,
     }}]  # fmt: skip
     page = page_of(springs_content(subjects=subjects))
-    assert "Anna (height 1.6 m)" in page.inner_text("#marks")
+    assert "Anna (height 1.6 m, knee stiffness rigid)" in page.inner_text("#marks")
     slide(page, "height", 1.6)
+    page.check("#r-knee_stiffness")
     rest(page)
     assert page.inner_text("#marks") == ""
 
@@ -87,6 +89,7 @@ def test_a_subject_between_the_values_of_an_atlas_is_said_to_be_shown_at_the_nea
     assert "height" not in said
     # beside the words about its mark
     assert "knee" not in said
+    assert page.input_value("#n-knee_stiffness") == "∞"
     assert "bmi" not in page.inner_text("#marks")
     slide(page, "knee_stiffness", 0)
     rest(page)
@@ -224,6 +227,22 @@ def test_no_barrier_is_found_by_axe_in_what_is_said(page_of, dark):
     found = Axe().run(page)
     assert found.violations_count == 0, found.generate_report()
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
+def test_an_atlas_without_the_verdict_is_hatched_where_its_values_are_below_the_limit(page_of):
+    factor = np.broadcast_to(np.linspace(0.5, 1.6, 6), (5, 3, 6)).copy()
+    page = page_of(embedded_content(safety_factor=factor), "x=ankle_stiffness&y=hip_stiffness")
+    assert page.get_attribute("#bar", "aria-label").endswith("hatched: falls")
+    # beyond the critical delay a person may stand again
+    gains = {"proportional": {"ankle": 100.0}, "derivative": {"ankle": 10.0}, "delay": 0.1}
+    page = page_of(embedded_content(delay_margin=factor - 1.0, feedback=gains))
+    assert "hatched" not in page.get_attribute("#bar", "aria-label")
+
+
+def test_a_file_is_named_after_the_page_and_what_is_in_it(page_of):
+    page = page_of(springs_content(title="Größe & Gewicht: " + "viele Worte " * 9))
+    name, _ = figure_of(page)
+    assert name == "größe-gewicht-viele-worte-viele-worte-viele-wor-safety-factor.png"
 
 
 NAME = """() => {

@@ -11,11 +11,15 @@ export function save(name, content, type) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
+const LONGEST_NAME = 50; // letters of a title in a file's name
+
 /** The name of a file: of what page, and of what in it; pure. */
 export function fileName(content, what, ending) {
-  const words = `${content.title} ${what}`.normalize("NFC").toLowerCase();
-  const letters = words.replace(/[^\p{L}\p{N}]+/gu, "-").replace(/^-+|-+$/g, "");
-  return `${letters.slice(0, 80)}.${ending}`;
+  const [title, rest] = [content.title, what].map((words) => {
+    const letters = words.normalize("NFC").toLowerCase().slice(0, LONGEST_NAME);
+    return letters.replace(/[^\p{L}\p{N}]+/gu, "-").replace(/^-+|-+$/g, "");
+  });
+  return `${title || "standing"}-${rest}.${ending}`;
 }
 
 /** The values of the map as CSV, below lines that name all that is fixed; pure. */

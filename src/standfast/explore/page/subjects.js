@@ -39,6 +39,7 @@ function isKnown(content, name, own) {
 
 function areSame(one, other) {
   if (Object.is(one, other)) return true;
+  if (!Number.isFinite(one) || !Number.isFinite(other)) return false;
   return Math.abs(one - other) <= SAME * Math.max(Math.abs(one), Math.abs(other));
 }
 

@@ -97,6 +97,13 @@ def test_a_subject_between_the_values_of_an_atlas_is_said_to_be_shown_at_the_nea
     assert page.input_value("#subject") == ""
 
 
+def test_an_address_of_values_that_an_atlas_has_not_is_said_to_be_shown_at_the_nearest(page_of):
+    page = page_of(embedded_content(), "knee_stiffness=1100&hip_stiffness=400")
+    said = page.inner_text("#status")
+    assert "knee stiffness 1100 is shown at 1200 N·m/rad" in said
+    assert "hip" not in said
+
+
 def test_what_a_page_leaves_out_stands_at_its_top(page_of):
     page = page_of(springs_content(notes=["It holds <b>less</b>."]))
     assert page.inner_text("header #notes") == "It holds <b>less</b>."

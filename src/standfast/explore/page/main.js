@@ -158,11 +158,15 @@ function playerOf(moving) {
 }
 
 function addressIn(explorer, controls) {
-  const { state, ignored } = stateOf(content, location.hash);
+  const { state, ignored, moved } = stateOf(content, location.hash);
   explorer.change(state);
   controls.anew(state.values);
   showChoices(state);
-  if (ignored.length) tell(`Of the address this was not understood: ${ignored.join(", ")}.`);
+  const sentences = [
+    ignored.length ? `Of the address this was not understood: ${ignored.join(", ")}.` : "",
+    moved.length ? `The atlas has other values than the address: ${moved.join("; ")}.` : "",
+  ];
+  if (sentences.some(Boolean)) tell(sentences.filter(Boolean).join(" "));
 }
 
 const elements = Object.fromEntries(

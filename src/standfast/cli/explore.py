@@ -166,6 +166,8 @@ def _serve(options: argparse.Namespace, study: "Study", atlas: "Atlas | None") -
         at = start
         if planes is not None and person.keys().isdisjoint(plane):
             at = opening.standing_start(planes, planes.atlas.axes, start, plane)
+        elif person.keys().isdisjoint(plane):
+            at = opening.standing_start_of_study(study, start, plane, by_springs=False)
         return page_html(
             content.content_of(
                 study,
@@ -240,9 +242,13 @@ def _export(options: argparse.Namespace, study: "Study", atlas: "Atlas | None") 
         note = opening.thinned_words(study, places, in_bytes(most))
     else:
         start = sliders.start_of(study, person)
-        if opening.is_of_springs_alone(study):
+        by_springs = opening.is_of_springs_alone(study)
+        if by_springs:
             note = opening.SPRINGS_ALONE
             quantities = quantities if options.quantity else opening.springs_first(quantities)
+        plane = content.plane_of(study, quantities[0], live=True)
+        if person.keys().isdisjoint(plane):
+            start = opening.standing_start_of_study(study, start, plane, by_springs=by_springs)
     told = content.content_of(
         study,
         start=start,

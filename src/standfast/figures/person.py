@@ -8,14 +8,13 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from standfast.anthropometry.body import Body
+from standfast.anthropometry.tables import ANKLE_HEIGHT
 from standfast.figures.style import BLUE, PAGE, VERMILION, paper_figure, save
 from standfast.mechanics.motion import segment_angles
 from standfast.numerics.arrays import Vector
 from standfast.parameters import JOINTS, STIFFNESS_UNIT
 
 TURN = math.radians(10.0)  # of the ankle, or of the joint that turns most
-# Of stature, what lies above the ankle (Winter, figure 4.1).
-ABOVE_ANKLE = 1.0 - 0.039
 # Rows of joints from below: the bar of what is there, and beside it the mark of what is needed.
 BAR, MARK = 0.44, 0.3
 
@@ -90,7 +89,7 @@ def draw_person(
     legs = [float(length) for length in body.segment_length]
     upper = 2.0 * float(body.segment_com[2])
     if height is not None:
-        upper = height * ABOVE_ANKLE - sum(legs)
+        upper = height * (1.0 - ANKLE_HEIGHT) - sum(legs)
     lengths = (*legs, upper)
     largest = max(abs(turn) for turn in rotation)
     turn = tuple(TURN * each / max(largest, 1.0) for each in rotation)

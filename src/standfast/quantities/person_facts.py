@@ -63,6 +63,16 @@ def facts_with_feedback(person: Person) -> dict[str, Any]:
     }
 
 
+def stands(person: Person) -> bool | None:
+    """Return whether a person stands, with damping and feedback; None where rounding leaves it."""
+    damping, late = _nerves_of(person)
+    of = (person.body, person.stiffness, person.gravity)
+    try:
+        return delayed.is_stable(*of, damping=damping, feedback=late)
+    except ArithmeticError:
+        return None
+
+
 def facts_of_sway(person: Person) -> dict[str, Any] | None:
     """Find how much a person sways whose joints' torques are noisy.
 

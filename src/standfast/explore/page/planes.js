@@ -81,8 +81,7 @@ export class Planes {
       return gained ? cells : { ...cells, limit: this.#limitOfSprings(state, grid) };
     }
     if (ways.shown === "") {
-      const quantity = this.#content.quantity[name];
-      const word = absentWords(quantity, nervesOf(state, [state.x, state.y]));
+      const word = this.lacking(state, name).sentence;
       return { shown: null, standing: null, limit: null, pending: false, coarse: false, word };
     }
     const live = this.#askedLive(state, ways, grid, resting);
@@ -101,6 +100,12 @@ export class Planes {
     const coarse = side < SIDE || live?.coarse === true;
     const of = ways.shown === "live" && shown ? { ...live.state, quantity: name } : undefined;
     return { shown, standing, limit, pending, coarse, word, of };
+  }
+
+  /** What a quantity needs that is not there, as a word or two and in a sentence; null: nothing. */
+  lacking(state, name) {
+    if (this.way(state, name) !== "") return null;
+    return lackOf(this.#content.quantity[name], nervesOf(state, [state.x, state.y]));
   }
 
   /** What a map of springs leaves out for want of the program. */
@@ -185,19 +190,26 @@ export class Planes {
   }
 }
 
-/** Why there are no values of a quantity. */
-function absentWords({ words, of_noise: ofNoise }, nerves) {
-  const program = "needs the program (standfast explore)";
-  if (!ofNoise) {
-    const means = nerves.gained ? "this feedback" : "damping";
-    return nerves.gained || nerves.damped
-      ? `The ${words} with ${means} ${program}.`
-      : `The ${words} is of feedback: set a gain.`;
+/** What a quantity needs for its values. */
+function lackOf({ words, of_noise: ofNoise }, nerves) {
+  const nerved = nerves.gained || nerves.damped;
+  const program = (sentence) => ({
+    needs: "the program",
+    sentence: `${sentence} needs the program (standfast explore).`,
+  });
+  if (!ofNoise && nerved) {
+    return program(`The ${words} with ${nerves.gained ? "this feedback" : "damping"}`);
   }
-  if (!nerves.noisy) return `The ${words} is of noise: set a noise of the torques.`;
-  return nerves.damped || nerves.gained
-    ? `The ${words} ${program}.`
-    : `The ${words} has no bounds, as nothing damps the person: set a damping or a gain.`;
+  if (!ofNoise) return { needs: "a gain", sentence: `The ${words} is of feedback: set a gain.` };
+  if (!nerves.noisy) {
+    const sentence = `The ${words} is of noise: set a noise of the torques.`;
+    return { needs: "noise", sentence };
+  }
+  if (nerved) return program(`The ${words}`);
+  return {
+    needs: "damping or a gain",
+    sentence: `The ${words} has no bounds, as nothing damps the person: set a damping or a gain.`,
+  };
 }
 
 async function askLive(ask, { place, state, body }, signal) {

@@ -59,13 +59,13 @@ def a_population(name: str) -> None:
 
 # What a page takes as given, in the folder in which we are; other pages make theirs.
 GIVEN = {
-    "study.md": [(an_atlas, "winter.h5"), (an_atlas, "edwards.h5")],
-    "population.md": [(some_people, "people.csv")],
-    "people.md": [(some_people, "men.csv"), (some_people, "women.csv"), (a_population, "people.toml")],
-    "figures.md": [(an_atlas, "study.h5")],
-    "reading-files.md": [(an_atlas, "study.h5")],
-    "recordings.md": [(a_recording, "recording.csv")],
-}  # fmt: skip
+    "study.md": {"winter.h5": an_atlas, "edwards.h5": an_atlas},
+    "population.md": {"people.csv": some_people},
+    "people.md": {"men.csv": some_people, "women.csv": some_people, "people.toml": a_population},
+    "figures.md": {"study.h5": an_atlas},
+    "reading-files.md": {"study.h5": an_atlas},
+    "recordings.md": {"recording.csv": a_recording},
+}
 
 
 @pytest.fixture
@@ -85,7 +85,7 @@ def desk(tmp_path, monkeypatch):
     "page", [page for page in PAGES if page.name not in RUN_ELSEWHERE], ids=lambda page: page.name
 )
 def test_a_page_runs(page, desk, capsys):
-    for make, name in GIVEN.get(page.name, []):
+    for name, make in GIVEN.get(page.name, {}).items():
         make(name)
     run_page(page, capsys)
 
@@ -110,16 +110,17 @@ def test_a_page_leads_to_what_is_there(page):
 
 
 WRONG = {
-    "a command that is refused": ("```sh\nstandfast person --height 175\n```\n", "height"),
-    "a line that is not printed": ("```console\n$ standfast laws\nno-such-law\n```\n", "no-such-law"),
-    "a key that is not known": ('```toml\n[body]\nheigth = 1.7\nmass = 70\nmodel = "winter"\n```\n', "heigth"),
-    "python that fails": ("```python\n1 / 0\n```\n", "division"),
-}  # fmt: skip
+    "a command that is refused": ("sh", "standfast person --height 175", "height"),
+    "a line that is not printed": ("console", "$ standfast laws\nno-such-law", "no-such-law"),
+    "a key that is not known": ("toml", "[body]\nheigth = 1.7\nmass = 70", "heigth"),
+    "python that fails": ("python", "1 / 0", "division"),
+}
 
 
 @pytest.mark.parametrize("what", WRONG)
 def test_a_wrong_example_would_be_noticed(what, tmp_path, capsys):
-    text, words = WRONG[what]
+    language, block, words = WRONG[what]
+    text = f"```{language}\n{block}\n```\n"
     page = tmp_path / "page.md"
     page.write_text(f"# A page\n\n{text}", encoding="utf-8")
     with pytest.raises((AssertionError, ZeroDivisionError), match=words):

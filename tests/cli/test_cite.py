@@ -53,7 +53,7 @@ def test_a_paper_of_the_software_and_its_release_come_too(capsys, tmp_path, monk
     }  # fmt: skip
     path = tmp_path / "CITATION.cff"
     path.write_text(yaml.safe_dump(content), encoding="utf-8")
-    monkeypatch.setattr(cite, "_citation_file", lambda: path)
+    monkeypatch.setattr(cite, "citation_file", lambda: path)
     software, paper, _ = entries(capsys).values()
     assert software.fields["year"] == "2027"
     assert software.fields["url"] == "https://example.org/a_b"

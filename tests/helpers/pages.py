@@ -1,7 +1,7 @@
 """Examples of the documentation's pages, found by Sybil and run as a reader would run them.
 
-``python`` runs, all blocks of a page one after another; ``toml`` is a study or a part of one, and is
-written where the words before it name a file; of ``sh`` and ``console`` every line that calls
+``python`` runs, all blocks of a page one after another; ``toml`` is a study or a part of one, and
+is written where the words before it name a file; of ``sh`` and ``console`` every line that calls
 standfast runs in this process, and the lines that follow one in ``console`` are printed by it.
 An HTML comment ``<!-- skip: next -->`` leaves out the block that follows, and is not seen.
 """

@@ -26,11 +26,11 @@ def add(commands: Any) -> None:
 def _cite(_: argparse.Namespace) -> None:
     import yaml
 
-    content = yaml.safe_load(_citation_file().read_text("utf-8"))
+    content = yaml.safe_load(citation_file().read_text("utf-8"))
     print("\n\n".join(_entry(*each) for each in _works(content)))
 
 
-def _citation_file() -> Traversable | Path:
+def citation_file() -> Traversable | Path:
     """Return the one file: a wheel has it inside the package, a checkout at its root."""
     inside = files("standfast") / "CITATION.cff"
     return inside if inside.is_file() else Path(__file__).parents[3] / "CITATION.cff"

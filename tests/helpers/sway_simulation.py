@@ -1,0 +1,116 @@
+"""Persons who are disturbed by noise, simulated in time: second moments of what is recorded.
+
+x' = F x + H x(t − τ) + E w in steps that the delay is a multiple of. Over a step everything is
+exact but the late state, which runs straight between two steps: that leaves out a part
+(|D A⁻¹| h)²/12 of the noise. All paths of all persons go together; each starts upright, and nothing
+is counted until that is forgotten.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy import signal
+from scipy.linalg import expm
+
+from sway_oracles import RATE, first_order
+from sway_people import LOADS, WEIGHT, Standing
+
+STEP = 1e-3  # s, at most
+FORGOTTEN = 6.0  # time constants of the slowest root until anything is counted
+LOW_PASS = 10.0  # Hz, of the centre of pressure, forth and back
+EDGE = 1.0  # s at both ends of a record that the filter spoils
+POINTS, WEIGHTS = np.polynomial.legendre.leggauss(12)  # of integrals over a step, from −1 to 1
+
+
+class Recorded(NamedTuple):
+    """Of each path: means of q qᵀ, (persons, paths, 3, 3), and of the squares of CoP and velocity.
+
+    ``pressure`` and ``velocity`` are (persons, recorded paths), m² and m²/s².
+    """
+
+    rotations: np.ndarray
+    pressure: np.ndarray
+    velocity: np.ndarray
+
+
+class _Step(NamedTuple):
+    """What a step of one person does: x of now, late x at its two ends, noise; and readings."""
+
+    now: np.ndarray
+    late: np.ndarray
+    next_late: np.ndarray
+    noise: np.ndarray
+    rotation: np.ndarray
+    pressure: np.ndarray
+    late_pressure: np.ndarray
+
+
+def recorded(rng, standing: Standing, decay, seconds: float, paths: int, kept: int) -> Recorded:
+    """Simulate persons with three free joints; ``kept`` of the paths record the CoP."""
+    lag = np.maximum(np.ceil(standing.delay / STEP).astype(int), 1)
+    step = np.where(standing.delay > 0.0, standing.delay / lag, STEP)
+    steps = _Step(*map(np.stack, zip(*(
+        _step_of(standing, person, step[person]) for person in range(lag.size)
+    ), strict=True)))  # fmt: skip
+    persons = np.arange(lag.size)
+    before = np.ceil(FORGOTTEN / decay.min() / step.min()).astype(int)
+    count = int(seconds / step.min())
+    ring = np.zeros((lag.max() + 1, lag.size, 6, paths))
+    total = np.zeros((lag.size, paths, 3, 3))
+    record = np.zeros((count, lag.size, kept), np.float32)
+    for number in range(before + count):
+        x = ring[number % len(ring), persons]
+        late = ring[(number - lag) % len(ring), persons]
+        next_late = ring[(number - lag + 1) % len(ring), persons]
+        if number >= before:
+            q = steps.rotation @ x
+            total += np.einsum("aip,ajp->apij", q, q)
+            record[number - before] = (
+                steps.pressure @ x[..., :kept] + steps.late_pressure @ late[..., :kept]
+            )[:, 0]
+        ring[(number + 1) % len(ring), persons] = (
+            steps.now @ x + steps.late @ late + steps.next_late @ next_late
+            + steps.noise @ rng.standard_normal(x.shape)
+        )  # fmt: skip
+    pressure, velocity = np.stack([
+        _filtered(record[:, person], step[person]) for person in persons
+    ], axis=1)  # fmt: skip
+    return Recorded(total / count, pressure, velocity)
+
+
+def _step_of(standing: Standing, person: int, step: float) -> _Step:
+    matrices, noise = standing.people.matrices(person), standing.noise[:, person]
+    now, late, enters, back = first_order(matrices)
+    _, b, c, p, d = matrices
+    none = np.zeros((3, 3))
+    # of x: rotations and rates
+    to_q, to_rate = np.hstack([back, none]), np.hstack([none, RATE * back])
+    of_now = ((c[0] + LOADS) @ to_q + b[0] @ to_rate) / WEIGHT
+    of_late = (p[0] @ to_q + d[0] @ to_rate) / WEIGHT
+    if standing.delay[person] == 0.0:
+        now, late = now + late, np.zeros_like(late)
+        of_now, of_late = of_now + of_late, np.zeros_like(of_late)
+    at = 0.5 * step * (1.0 + POINTS)
+    after = [expm(now * (step - s)) for s in at]
+    weights = 0.5 * step * WEIGHTS
+    pushed = enters * noise
+    made = sum(w * e @ pushed @ pushed.T @ e.T for w, e in zip(weights, after, strict=True))
+    size, directions = np.linalg.eigh(made)
+    return _Step(
+        expm(now * step),
+        sum(w * (1.0 - s / step) * e for w, s, e in zip(weights, at, after, strict=True)) @ late,
+        sum(w * s / step * e for w, s, e in zip(weights, at, after, strict=True)) @ late,
+        directions * np.sqrt(np.maximum(size, 0.0)),
+        to_q,
+        of_now[None],
+        of_late[None],
+    )
+
+
+def _filtered(record: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """Mean squares of the filtered CoP of each path, and of its velocity."""
+    sections = signal.butter(2, LOW_PASS, fs=1.0 / step, output="sos")
+    seen = signal.sosfiltfilt(sections, record.astype(float), axis=0)
+    edge = int(EDGE / step)
+    speed = np.gradient(seen, step, axis=0)[edge:-edge]
+    return np.mean(seen[edge:-edge] ** 2, axis=0), np.mean(speed**2, axis=0)

@@ -18,6 +18,7 @@ from harness import ROOT, Demand, Report, Row, in_turn
 
 sys.path.insert(0, str(ROOT / "tests" / "helpers"))
 
+from noisy_people import Standing, standing_people
 from standfast.engine.delays import OF_GRIDS
 from standfast.engine.mapping import in_batches
 from standfast.quantities import QUANTITIES
@@ -25,7 +26,6 @@ from standfast.stability.delay.persons import all_crossings
 from standfast.stability.sway.density import COP
 from standfast.stability.sway.nodes import over_intervals
 from standfast.stability.sway.persons import variances
-from sway_people import Standing, standing_people
 
 ROUNDS = 5
 SEED = 15
@@ -83,7 +83,7 @@ def main() -> None:
         "errors are of variances, beside the same integrals asked to 1e-10, which "
         "`benchmarks/sway_check.py` compares with other methods",
         "verdicts come first and are not in the rates of sway; random persons "
-        "(`tests/helpers/sway_people.py`) are less damped than people are",
+        "(`tests/helpers/noisy_people.py`) are less damped than people are",
         "intervals: of ω, of 15 frequencies each, that are evaluated a person for the CoP",
     ]
     report.write()

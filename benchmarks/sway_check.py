@@ -20,12 +20,12 @@ from harness import ROOT, machine
 
 sys.path.insert(0, str(ROOT / "tests" / "helpers"))
 
+from noisy_people import VARIANCES, Standing, standing_people
 from standfast.stability.delay.persons import all_crossings
 from standfast.stability.sway.density import PAIRS
 from standfast.stability.sway.integral import integrals
 from standfast.stability.sway.person import EXACT
 from sway_oracles import fastest, with_delay, without_delay
-from sway_people import VARIANCES, Standing, standing_people
 from sway_responses import by_responses
 
 RESULTS = ROOT / "results" / "sway" / "check.md"
@@ -54,7 +54,7 @@ def main() -> None:
     page = [
         "# Covariances of sway, checked\n",
         f"Made by `python benchmarks/sway_check.py {count}`, seed {SEED}; {here['processor']}, "
-        f"{minutes:.0f} minutes. Random persons who stand (`tests/helpers/sway_people.py`): one "
+        f"{minutes:.0f} minutes. Random persons who stand (`tests/helpers/noisy_people.py`): one "
         "to three free joints, coupled or not, gains of every kind, noise at all joints. Compared "
         "are all entries of the covariance of the rotations, asked to 1e-10, over the deviations "
         f"of the two joints; {DEMANDED:g} is demanded. The methods are told in the script.\n",

@@ -17,10 +17,10 @@ from harness import ROOT, machine
 
 sys.path.insert(0, str(ROOT / "tests" / "helpers"))
 
+from noisy_people import Standing, standing_people
 from standfast.stability.delay.persons import all_rightmost
 from standfast.stability.sway.density import COP, COP_VELOCITY, PAIRS
 from standfast.stability.sway.integral import integrals
-from sway_people import Standing, standing_people
 from sway_simulation import STEP, recorded
 
 RESULTS = ROOT / "results" / "sway" / "simulation.md"
@@ -94,12 +94,13 @@ def compared(
 
 def row_of(what: str, kind: str, parts: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> str:
     """Return a row of the table of means of paths, integrals and what they are relative to."""
-    apart = np.concatenate([(of.mean(axis=1) - exact) / sizes for of, exact, sizes in parts])
-    error = np.concatenate([
-        of.std(axis=1, ddof=1) / np.sqrt(of.shape[1]) / sizes for of, _, sizes in parts
-    ])  # fmt: skip
-    z = apart / error
-    together = np.sqrt(np.sum(error**2)) / error.size
+    paths = np.stack([(of - exact[:, None]) / sizes[:, None] for of, exact, sizes in parts])
+    count = paths.shape[-1]
+    apart = paths.mean(axis=-1)
+    z = apart / (paths.std(axis=-1, ddof=1) / np.sqrt(count))
+    # joints of a person go together, persons do not
+    of_person = paths.mean(axis=0).std(axis=-1, ddof=1) / np.sqrt(count)
+    together = np.sqrt(np.sum(of_person**2)) / of_person.size
     return (
         f"| {what} | {kind} | {z.size} | {np.sqrt(np.mean(z**2)):.2f} | "
         f"{int((abs(z) > 2.0).sum())} | {abs(z).max():.1f} | "

@@ -212,6 +212,7 @@ def test_an_atlas_of_feedback_is_named_and_the_same_for_any_number_of_threads(tm
 FALLING: dict[str, Any] = {
     **CHART,
     "stiffness": {"ankle": [100.0, 300.0, 450.0], "knee": 1500.0, "hip": [300.0, 600.0]},
+    "feedback": {**CHART["feedback"], "delay": [0.0, 0.1]},
     "noise": {"ankle": 1.0, "hip": 0.3},
 }
 

@@ -9,11 +9,10 @@ is counted until that is forgotten.
 from typing import NamedTuple
 
 import numpy as np
-from scipy import signal
 from scipy.linalg import expm
 
+from noisy_people import LOADS, WEIGHT, Standing
 from sway_oracles import RATE, first_order
-from sway_people import LOADS, WEIGHT, Standing
 
 STEP = 1e-3  # s, at most
 FORGOTTEN = 6.0  # time constants of the slowest root until anything is counted
@@ -108,9 +107,14 @@ def _step_of(standing: Standing, person: int, step: float) -> _Step:
 
 
 def _filtered(record: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Mean squares of the filtered CoP of each path, and of its velocity."""
-    sections = signal.butter(2, LOW_PASS, fs=1.0 / step, output="sos")
-    seen = signal.sosfiltfilt(sections, record.astype(float), axis=0)
+    """Mean squares of the filtered CoP of each path, and of its velocity.
+
+    Filter and derivative are those of continuous time: recursive filters and differences of samples
+    bend the frequencies, and a person who rings at 40 Hz has a velocity that is wrong by 5 %.
+    """
+    hertz = np.fft.rfftfreq(len(record), step)[:, None]
+    seen = np.fft.rfft(record.astype(float), axis=0) / (1.0 + (hertz / LOW_PASS) ** 4)
     edge = int(EDGE / step)
-    speed = np.gradient(seen, step, axis=0)[edge:-edge]
-    return np.mean(seen[edge:-edge] ** 2, axis=0), np.mean(speed**2, axis=0)
+    parts = (np.fft.irfft(each, len(record), axis=0) for each in (seen, 2j * np.pi * hertz * seen))
+    pressure, velocity = (np.mean(part[edge:-edge] ** 2, axis=0) for part in parts)
+    return pressure, velocity

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import standfast as sf
+from noisy_people import VARIANCES, standing_people
 from standfast.mechanics.links import OneLink
 from standfast.stability.sway.density import COM, COP, COP_TIMES_OMEGA, COP_VELOCITY, PAIRS
 from standfast.stability.sway.integral import integrals
 from standfast.stability.sway.persons import swaying_of
 from sway_oracles import fastest, with_delay, without_delay
-from sway_people import VARIANCES, standing_people
 
 # What is promised of a covariance, relative to the deviations. Worst found of 1,000: 6e-11.
 PROMISED = 1e-9

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from noisy_people import standing_people
 from standfast.stability.delay.persons import all_rightmost
 from standfast.stability.sway.density import COP, COP_VELOCITY, PAIRS
 from standfast.stability.sway.integral import integrals
-from sway_people import standing_people
 from sway_simulation import recorded
 
 PERSONS, PATHS, SECONDS = 4, 60, 12.0
@@ -35,16 +35,16 @@ def standard_errors(found, standing):
     """Differences over their standard errors, and that of all variances together."""
     exact, sure = integrals((*range(len(PAIRS)), COP, COP_VELOCITY), standing.swaying)
     assert sure.all()
-    apart, error = [], []
-    paths = [found.rotations[:, :, i, j] for i, j in PAIRS] + [found.pressure, found.velocity]
-    for of, integral in zip(paths, exact, strict=True):
-        size = integral if (integral > 0.0).all() else np.abs(of).mean(axis=1)
-        apart.append((of.mean(axis=1) - integral) / size)
-        error.append(of.std(axis=1, ddof=1) / np.sqrt(of.shape[1]) / size)
-    apart, error = np.array(apart), np.array(error)
+    moments = [found.rotations[:, :, i, j] for i, j in PAIRS] + [found.pressure, found.velocity]
+    apart = np.stack(moments) - exact[..., None]  # (rows, persons, paths)
+    root = np.sqrt(PATHS)
+    each = apart.mean(axis=-1) / (apart.std(axis=-1, ddof=1) / root)
+    # joints of a person go together, persons do not
     own = [row for row, (i, j) in enumerate(PAIRS) if i == j]
-    together = apart[own].sum() / np.sqrt((error[own] ** 2).sum())
-    return np.abs(apart / error).max(), abs(together)
+    of_persons = (apart[own] / exact[own][..., None]).mean(axis=0)
+    error = of_persons.std(axis=-1, ddof=1) / root
+    together = of_persons.mean(axis=-1).sum() / np.sqrt((error**2).sum())
+    return np.abs(each).max(), abs(together)
 
 
 @pytest.mark.parametrize("longest", [0.0, 0.15])

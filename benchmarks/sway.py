@@ -10,11 +10,13 @@ import os
 import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
 
-from harness import ROOT, Demand, Report, Row, in_turn
+from harness import ROOT, Demand, Report, Row, in_turn, ratio
 
 sys.path.insert(0, str(ROOT / "tests" / "helpers"))
 
@@ -23,7 +25,8 @@ from standfast.engine.delays import OF_GRIDS
 from standfast.engine.mapping import in_batches
 from standfast.quantities import QUANTITIES
 from standfast.stability.delay.persons import all_crossings
-from standfast.stability.sway.density import COP
+from standfast.stability.delay.problem import Apply
+from standfast.stability.sway import density
 from standfast.stability.sway.nodes import over_intervals
 from standfast.stability.sway.persons import variances
 
@@ -32,6 +35,7 @@ SEED = 15
 PERSONS = 150_000  # of whom one in eighteen stands
 LONGEST = 0.3  # s
 EXACT = 1e-10
+PLAIN = "com_sway"  # found without the trick too
 NEAR = 512  # persons followed to their critical delay
 DISTANCES = tuple(10.0**-power for power in range(1, 7))
 SWAY = {name: row.variances for name, row in QUANTITIES.items() if row.variances}
@@ -47,6 +51,8 @@ def main() -> None:
         name: lambda rows=rows: found(rows, standing) for name, rows in SWAY.items()
     }
     jobs["together"] = lambda: found(ALL, standing)
+    found(SWAY[PLAIN], standing[:1], apply=with_plain_cosines)  # compiles, in one thread
+    jobs["plain"] = lambda: found(SWAY[PLAIN], standing, apply=with_plain_cosines)
     jobs["verdicts"] = lambda: in_threads(standing, crossings)
     seconds = in_turn(jobs, ROUNDS)
     exact = found(ALL, standing, EXACT)
@@ -64,6 +70,7 @@ def main() -> None:
         what = "all seven together" if name == "together" else name
         unit = "persons" if name == "together" else "points"
         report.rows.append(Row(what, seconds[name], count, unit, said(errors[name])))
+    report.rows.append(Row(f"{PLAIN}, cosines of XLA", seconds["plain"], count, "points"))
     words = "crossings alone, for the verdict"
     report.rows.append(Row(words, seconds["verdicts"], count, "persons"))
     slowest = min(report.rows[: len(SWAY)], key=lambda row: row.rate)
@@ -77,6 +84,7 @@ def main() -> None:
             1.0,
             apart / float(np.median(seconds["together"])),
         ),
+        Demand(f"{PLAIN}, cosines in vectors: times as fast", 1.0, ratio(seconds, "plain", PLAIN)),
     ]
     report.extra = {"near": near_the_threshold(standing)}
     report.limitations = [
@@ -89,17 +97,40 @@ def main() -> None:
     report.write()
 
 
-def found(rows: tuple[int, ...], standing: Standing, accuracy: float = OF_GRIDS) -> np.ndarray:
+def found(
+    rows: tuple[int, ...],
+    standing: Standing,
+    accuracy: float = OF_GRIDS,
+    apply: Apply = in_batches,
+) -> np.ndarray:
     """Find variances as the engine does, (rows, persons)."""
 
     def job(part: Standing) -> np.ndarray:
         stands = np.ones(part.delay.size, bool)
-        each, sure = variances(rows, part.swaying, stands, accuracy=accuracy, apply=in_batches)
+        each, sure = variances(rows, part.swaying, stands, accuracy=accuracy, apply=apply)
         if not sure.all():
             raise ArithmeticError("a variance is not as accurate as asked")
         return each
 
     return np.concatenate(in_threads(standing, job), axis=1)
+
+
+def with_plain_cosines(function: Callable[..., Any], problem: Any, *arrays: np.ndarray) -> Any:
+    """Apply a function as the engine does, its cosines being those of the library."""
+    return in_batches(_plainly(function), problem, *arrays)
+
+
+@lru_cache
+def _plainly(function: Callable[..., Any]) -> Callable[..., Any]:
+    def traced(problem: Any, *arrays: Any) -> Any:
+        quick = density.cosine_and_sine
+        density.cosine_and_sine = lambda angle: (jnp.cos(angle), jnp.sin(angle))
+        try:
+            return function(problem, *arrays)
+        finally:
+            density.cosine_and_sine = quick
+
+    return traced
 
 
 def crossings(part: Standing) -> None:
@@ -135,8 +166,8 @@ def near_the_threshold(standing: Standing) -> list[dict[str, float]]:
 
         stands = np.ones(chosen.size, bool)
         swaying = at.swaying
-        quick, sure = variances((COP,), swaying, stands, accuracy=OF_GRIDS, apply=counted)
-        exact, known = variances((COP,), swaying, stands, accuracy=EXACT, apply=in_batches)
+        quick, sure = variances((density.COP,), swaying, stands, accuracy=OF_GRIDS, apply=counted)
+        exact, known = variances((density.COP,), swaying, stands, accuracy=EXACT, apply=in_batches)
         error = abs(quick[0] / exact[0] - 1.0)[known[0]]
         found_there.append({
             "distance": distance,

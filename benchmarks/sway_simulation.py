@@ -2,7 +2,7 @@
 
 Answers: are covariances of rotations, and the variances of the centre of pressure and of its
 velocity, those of a stochastic simulation, with delay and without? Run as
-``python benchmarks/sway_simulation.py [SECONDS]`` (default 60 of each of 200 paths a person, some
+``python benchmarks/sway_simulation.py [SECONDS]`` (default 30 of each of 200 paths a person, some
 minutes); writes ``results/sway/simulation.md``. A difference is told in standard errors, from the
 spread between the paths, which are independent: if nothing is wrong, they are those of a normal
 variate.
@@ -17,11 +17,11 @@ from harness import ROOT, machine
 
 sys.path.insert(0, str(ROOT / "tests" / "helpers"))
 
+from noise_simulation import STEP, recorded
 from noisy_people import Standing, standing_people
 from standfast.stability.delay.persons import all_rightmost
 from standfast.stability.sway.density import COP, COP_VELOCITY, PAIRS
 from standfast.stability.sway.integral import integrals
-from sway_simulation import STEP, recorded
 
 RESULTS = ROOT / "results" / "sway" / "simulation.md"
 SEED = 1912
@@ -34,7 +34,7 @@ DRAWN = 2000
 
 def main() -> None:
     """Simulate, compare, and write the page."""
-    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 60.0
+    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 30.0
     began = time.perf_counter()
     rng = np.random.default_rng(SEED)
     lines = []

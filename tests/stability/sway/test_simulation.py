@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from noise_simulation import recorded
 from noisy_people import standing_people
 from standfast.stability.delay.persons import all_rightmost
 from standfast.stability.sway.density import COP, COP_VELOCITY, PAIRS
 from standfast.stability.sway.integral import integrals
-from sway_simulation import recorded
 
 PERSONS, PATHS, SECONDS = 4, 60, 12.0
 FASTEST = 0.8  # 1/s: of persons who decay faster, 12 s are long

@@ -33,15 +33,17 @@ class Recorded(NamedTuple):
 
 
 class _Step(NamedTuple):
-    """What a step of one person does: x of now, late x at its two ends, noise; and readings."""
+    """What a step of one person does to x of now, late x at its two ends, and noise.
+
+    Beside x, (6,), it gives the integrals over the step of what now and what is late adds to the
+    CoP: averages of a step, unlike samples, hold nothing of what is faster than steps.
+    """
 
     now: np.ndarray
     late: np.ndarray
     next_late: np.ndarray
     noise: np.ndarray
     rotation: np.ndarray
-    pressure: np.ndarray
-    late_pressure: np.ndarray
 
 
 def recorded(rng, standing: Standing, decay, seconds: float, paths: int, kept: int) -> Recorded:
@@ -54,23 +56,21 @@ def recorded(rng, standing: Standing, decay, seconds: float, paths: int, kept: i
     persons = np.arange(lag.size)
     before = np.ceil(FORGOTTEN / decay.min() / step.min()).astype(int)
     count = int(seconds / step.min())
-    ring = np.zeros((lag.max() + 1, lag.size, 6, paths))
+    length = lag.max() + 1
+    ring = np.zeros((length, lag.size, 8, paths))
     total = np.zeros((lag.size, paths, 3, 3))
     record = np.zeros((count, lag.size, kept), np.float32)
     for number in range(before + count):
-        x = ring[number % len(ring), persons]
-        late = ring[(number - lag) % len(ring), persons]
-        next_late = ring[(number - lag + 1) % len(ring), persons]
+        x = ring[number % length, persons, :6]
+        late = ring[(number - lag) % length, persons, :6]
+        next_late = ring[(number - lag + 1) % length, persons]
+        after = steps.now @ x + steps.late @ late + steps.next_late @ next_late[:, :6]
+        after += steps.noise @ rng.standard_normal(after.shape)
+        ring[(number + 1) % length, persons] = after
         if number >= before:
             q = steps.rotation @ x
             total += np.einsum("aip,ajp->apij", q, q)
-            record[number - before] = (
-                steps.pressure @ x[..., :kept] + steps.late_pressure @ late[..., :kept]
-            )[:, 0]
-        ring[(number + 1) % len(ring), persons] = (
-            steps.now @ x + steps.late @ late + steps.next_late @ next_late
-            + steps.noise @ rng.standard_normal(x.shape)
-        )  # fmt: skip
+            record[number - before] = after[:, 6, :kept] + next_late[:, 7, :kept]
     pressure, velocity = np.stack([
         _filtered(record[:, person], step[person]) for person in persons
     ], axis=1)  # fmt: skip
@@ -89,31 +89,31 @@ def _step_of(standing: Standing, person: int, step: float) -> _Step:
     if standing.delay[person] == 0.0:
         now, late = now + late, np.zeros_like(late)
         of_now, of_late = of_now + of_late, np.zeros_like(of_late)
+    whole = np.zeros((8, 8))
+    whole[:6, :6], whole[6, :6], whole[7, :6] = now, of_now, of_late
+    late, pushed = np.pad(late, ((0, 2), (0, 0))), np.pad(enters * noise, ((0, 2), (0, 0)))
     at = 0.5 * step * (1.0 + POINTS)
-    after = [expm(now * (step - s)) for s in at]
+    after = [expm(whole * (step - s)) for s in at]
     weights = 0.5 * step * WEIGHTS
-    pushed = enters * noise
     made = sum(w * e @ pushed @ pushed.T @ e.T for w, e in zip(weights, after, strict=True))
     size, directions = np.linalg.eigh(made)
     return _Step(
-        expm(now * step),
+        expm(whole * step)[:, :6],
         sum(w * (1.0 - s / step) * e for w, s, e in zip(weights, at, after, strict=True)) @ late,
         sum(w * s / step * e for w, s, e in zip(weights, at, after, strict=True)) @ late,
         directions * np.sqrt(np.maximum(size, 0.0)),
         to_q,
-        of_now[None],
-        of_late[None],
     )
 
 
 def _filtered(record: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Mean squares of the filtered CoP of each path, and of its velocity.
+    """Mean squares of the filtered CoP of each path, and of its velocity, of integrals over steps.
 
-    Filter and derivative are those of continuous time: recursive filters and differences of samples
-    bend the frequencies, and a person who rings at 40 Hz has a velocity that is wrong by 5 %.
+    Filter and derivative are those of continuous time, and what averages lack is given back.
     """
     hertz = np.fft.rfftfreq(len(record), step)[:, None]
-    seen = np.fft.rfft(record.astype(float), axis=0) / (1.0 + (hertz / LOW_PASS) ** 4)
+    gain = 1.0 / (step * np.sinc(hertz * step) * (1.0 + (hertz / LOW_PASS) ** 4))
+    seen = np.fft.rfft(record.astype(float), axis=0) * gain
     edge = int(EDGE / step)
     parts = (np.fft.irfft(each, len(record), axis=0) for each in (seen, 2j * np.pi * hertz * seen))
     pressure, velocity = (np.mean(part[edge:-edge] ** 2, axis=0) for part in parts)

@@ -11,9 +11,9 @@ from sway_oracles import first_order
 
 POINTS = 16  # of a step
 PER_STEP = 2.0  # longest step, in time constants of the fastest root
-SMALL = 1e-13  # what the last steps add, relative to all
+SMALL = 1e-16  # what the last steps add, relative to all: they add up, where decay is slow
 TOGETHER = 64  # steps that are looked at for that
-MOST = 200_000  # steps
+MOST = 400_000  # steps
 
 
 def by_responses(matrices, noise, delay):

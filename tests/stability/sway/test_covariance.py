@@ -12,11 +12,13 @@ from standfast.stability.sway.density import COM, COP, COP_TIMES_OMEGA, COP_VELO
 from standfast.stability.sway.integral import integrals
 from standfast.stability.sway.persons import swaying_of
 from sway_oracles import fastest, with_delay, without_delay
+from sway_responses import by_responses
 
 # What is promised of a covariance, relative to the deviations. Worst found of 1,000: 6e-11.
 PROMISED = 1e-9
 # The delay Lyapunov matrix is good to 1e-9 while τ times the fastest rate stays below this.
 ORACLE_HOLDS = 3.0
+SOME = 4  # persons whose responses take a second
 
 
 def largest_difference(standing, oracle):
@@ -44,14 +46,20 @@ def test_agrees_with_the_delay_lyapunov_matrix():
     assert largest_difference(standing[chosen], with_delay) < PROMISED
 
 
-def test_the_oracle_notices_a_changed_gain():
-    standing = standing_people(np.random.default_rng(153), 40, 0.02)
+def test_agrees_with_responses_in_time():
+    # of delays that the delay Lyapunov matrix has no digits for too
+    standing = standing_people(np.random.default_rng(155), 120, 0.3)
+    longest = np.argsort(standing.delay)[-SOME:]
+    assert largest_difference(standing[longest], by_responses) < PROMISED
+
+
+@pytest.mark.parametrize("oracle_of", [with_delay, by_responses])
+def test_the_oracles_notice_a_changed_gain(oracle_of):
+    standing = standing_people(np.random.default_rng(153), 40, 0.02)[slice(0, SOME)]
     standing.people.numbers[3] *= 1.0 + 1e-5
 
     def of_others(matrices, sigma, delay):
-        return with_delay(
-            matrices / np.array([1, 1, 1, 1.0 + 1e-5, 1])[:, None, None], sigma, delay
-        )
+        return oracle_of(matrices / np.array([1, 1, 1, 1.0 + 1e-5, 1])[:, None, None], sigma, delay)
 
     assert largest_difference(standing, of_others) > PROMISED
 

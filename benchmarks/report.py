@@ -184,8 +184,8 @@ def _draw_sway(report: dict[str, Any]) -> None:
     with style.paper_figure(height=2.3, width=style.PAGE * 0.75, panels=(1, 2)) as (figure, axes):
         cost, error = axes
         cost.plot(distance, [row["intervals"] for row in near], "o-", color=style.BLUE)
-        cost.set_ylim(bottom=0.0)
-        cost.set_ylabel("Intervals of 15 frequencies a person")
+        cost.set_ylim(0.0, 1.1 * max(row["intervals"] for row in near))
+        cost.set_ylabel("Intervals of ω a person")
         for name, line, label in (("worst", "o-", "worst"), ("of 99 %", "s--", "of 99 %")):
             values = [row[name] for row in near]
             error.plot(distance, values, line, color=style.BLUE, markersize=4.0, label=label)

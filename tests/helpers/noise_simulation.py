@@ -1,9 +1,9 @@
 """Persons who are disturbed by noise, simulated in time: second moments of what is recorded.
 
 x' = F x + H x(t − τ) + E w in steps that the delay is a multiple of. Over a step everything is
-exact but the late state, which runs straight between two steps: that leaves out a part
-(|D A⁻¹| h)²/12 of the noise. All paths of all persons go together; each starts upright, and nothing
-is counted until that is forgotten.
+exact but the late state, which runs straight between two steps; what it swings about the straight
+line, a Brownian bridge, adds to the noise, h³/12 H E S Eᵀ Hᵀ. All paths of all persons go together;
+each starts upright, and nothing is counted until that is forgotten.
 """
 
 from typing import NamedTuple
@@ -96,6 +96,8 @@ def _step_of(standing: Standing, person: int, step: float) -> _Step:
     after = [expm(whole * (step - s)) for s in at]
     weights = 0.5 * step * WEIGHTS
     made = sum(w * e @ pushed @ pushed.T @ e.T for w, e in zip(weights, after, strict=True))
+    bridge = late @ pushed[:6]
+    made = made + step**3 / 12.0 * bridge @ bridge.T
     size, directions = np.linalg.eigh(made)
     return _Step(
         expm(whole * step)[:, :6],

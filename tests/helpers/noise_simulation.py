@@ -1,9 +1,10 @@
 """Persons who are disturbed by noise, simulated in time: second moments of what is recorded.
 
 x' = F x + H x(t − τ) + E w in steps that the delay is a multiple of. Over a step everything is
-exact but the late state, which runs straight between two steps; what it swings about the straight
-line, a Brownian bridge, adds to the noise, h³/12 H E S Eᵀ Hᵀ. All paths of all persons go together;
-each starts upright, and nothing is counted until that is forgotten.
+exact but the late state between two steps. There the rates are a polynomial that has the rates at
+both ends and turns the rotation of the one into that of the other: straight lines would leave out
+what noise does within a step, some per cent of what is fed back. All paths of all persons go
+together; each starts upright, and nothing is counted until that is forgotten.
 """
 
 from typing import NamedTuple
@@ -96,16 +97,29 @@ def _step_of(standing: Standing, person: int, step: float) -> _Step:
     after = [expm(whole * (step - s)) for s in at]
     weights = 0.5 * step * WEIGHTS
     made = sum(w * e @ pushed @ pushed.T @ e.T for w, e in zip(weights, after, strict=True))
-    bridge = late @ pushed[:6]
-    made = made + step**3 / 12.0 * bridge @ bridge.T
     size, directions = np.linalg.eigh(made)
     return _Step(
         expm(whole * step)[:, :6],
-        sum(w * (1.0 - s / step) * e for w, s, e in zip(weights, at, after, strict=True)) @ late,
-        sum(w * s / step * e for w, s, e in zip(weights, at, after, strict=True)) @ late,
+        *_pushes(late, weights, after, at / step, step),
         directions * np.sqrt(np.maximum(size, 0.0)),
         to_q,
     )
+
+
+def _pushes(late, weights, after, u, step):
+    """What the late x at both ends of a step adds to the state at its end."""
+    one, none = np.eye(3), np.zeros((3, 3))
+    first, second = np.zeros((2, len(late), 6))
+    for w, e, part in zip(weights, after, u, strict=True):
+        swing = 6.0 * part * (1.0 - part)
+        turned = swing / (step * RATE) * one
+        at_first = np.block([
+            [(1.0 - part) * one, none], [-turned, (1.0 - part - 0.5 * swing) * one]
+        ])  # fmt: skip
+        at_second = np.block([[part * one, none], [turned, (part - 0.5 * swing) * one]])
+        first += w * e @ late @ at_first
+        second += w * e @ late @ at_second
+    return first, second
 
 
 def _filtered(record: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:

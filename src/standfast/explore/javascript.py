@@ -44,15 +44,21 @@ CALLS = {
 LONGEST = 88  # of an expression without a name
 
 # What JavaScript has not, or not as exactly: the root of a sum of two squares is Borges' corrected
-# one (arXiv 1904.09481), which the C library has too.
+# one (arXiv 1904.09481), which the C library has too. Low bits are taken off by subtracting them, by
+# the worth of the last bit of each sign and exponent: a number that is read as a whole after half of
+# it was written waits for the processor to join the halves, a quarter of all time of a map of modes.
 HELPERS = """\
 const doubles = new Float64Array(1);
 const words = new Int32Array(doubles.buffer);
+const lastBits = Float64Array.from({ length: 4096 }, (_, top) => {
+  const exponent = top % 2048;
+  const size = exponent === 2047 ? 0 : 2 ** (Math.max(exponent, 1) - 1075);
+  return top < 2048 ? size : -size;
+});
 
 function masked(x, low) {
   doubles[0] = x;
-  words[0] &= low;
-  return doubles[0];
+  return x + (0 - (words[0] & ~low)) * lastBits[words[1] >>> 20];
 }
 
 function isInfinite(x) {

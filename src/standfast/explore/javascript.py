@@ -44,9 +44,9 @@ CALLS = {
 LONGEST = 88  # of an expression without a name
 
 # What JavaScript has not, or not as exactly: the root of a sum of two squares is Borges' corrected
-# one (arXiv 1904.09481), which the C library has too. Low bits are taken off by subtracting them, by
-# the worth of the last bit of each sign and exponent: a number that is read as a whole after half of
-# it was written waits for the processor to join the halves, a quarter of all time of a map of modes.
+# one (arXiv 1904.09481), which the C library has too. Low bits are taken off by subtraction: each
+# counts what the last bit does, by sign and exponent. To write half of a number's bits and read all
+# of them makes a processor wait until both halves are in memory, a quarter of a map of frequencies.
 HELPERS = """\
 const doubles = new Float64Array(1);
 const words = new Int32Array(doubles.buffer);

@@ -109,7 +109,7 @@ def _ways(record: Record, person: Person, kind: str) -> tuple[list[str], list[Wa
     functions: list[str] = []
     found: dict[Any, tuple[Any, Any, str]] = {}
     fast: dict[Any, tuple[Any, Rows]] = {}
-    ways = []
+    ways: list[Way] = []
     parts: dict[Any, dict[int, Symbol]] = {}
     for row in _of_springs():
         find, quick = row.reference, row.fast

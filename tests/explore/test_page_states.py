@@ -225,3 +225,23 @@ def test_no_barrier_is_found_on_an_atlas_or_with_feedback(atlas_file, springs_fi
     page.evaluate("for (const box of document.querySelectorAll('details')) box.open = true")
     found = Axe().run(page)
     assert found.violations_count == 0, found.generate_report()
+
+
+# The slider's move has been taken up, and its frame not yet come.
+MOVED_AND_TAKEN = """async () => {
+  const slider = document.getElementById("p-knee_stiffness");
+  slider.value = 900;
+  slider.dispatchEvent(new Event("input"));
+  await new Promise((done) => { queueMicrotask(() => queueMicrotask(done)); });
+  document.getElementById("numbers").click();
+}"""
+
+
+def test_until_a_new_map_is_painted_the_numbers_are_those_of_the_old_one(springs_file, opened):
+    page = opened(springs_file, "quantity=critical_ankle_stiffness")
+    before = taken(page)
+    with page.expect_download() as numbers:
+        page.evaluate(MOVED_AND_TAKEN)
+    assert numbers.value.path().read_text(encoding="utf-8").splitlines() == before
+    rest(page)
+    assert taken(page) != before

@@ -36,6 +36,7 @@ export class Explorer {
   #tell;
   #waiting = false;
   #requested = 0;
+  #early = null;
   #timer = 0;
   #inputAt = 0;
   #changedAt = Number.NEGATIVE_INFINITY;
@@ -71,11 +72,19 @@ export class Explorer {
     this.#changedAt = performance.now();
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => this.#rest(), REST);
+    const first = this.#requested === 0;
     this.draw();
+    // what the map shows is found while the browser waits for its frame, once: if more changes come
+    // before it, in the frame
+    if (first)
+      queueMicrotask(() => {
+        this.#early = this.#sampled(false);
+      });
   }
 
   /** Draw the state in the next frame. */
   draw() {
+    this.#early = null;
     if (this.#requested === 0) this.#requested = requestAnimationFrame(() => this.#frame());
   }
 
@@ -86,16 +95,22 @@ export class Explorer {
     return { x, y, window: windowOf(state, x, y) };
   }
 
+  /** The view of the state, and what its map shows. */
+  #sampled(resting) {
+    const { x, y, window } = this.view();
+    const spread = (low, high, side, axis) => spreadOver(axis === "x" ? x : y, low, high, side);
+    return { x, y, window, sample: this.#parts.planes.sample(this.state, window, spread, resting) };
+  }
+
   #frame() {
     this.#requested = 0;
     const began = this.#inputAt;
     this.#inputAt = 0;
     const { state } = this;
-    const { map, controls, planes, elements } = this.#parts;
-    const { x, y, window } = this.view();
+    const { map, controls, elements } = this.#parts;
     const resting = performance.now() - this.#changedAt >= REST - 10;
-    const spread = (low, high, side, axis) => spreadOver(axis === "x" ? x : y, low, high, side);
-    const sample = planes.sample(state, window, spread, resting);
+    const { x, y, window, sample } = (!resting && this.#early) || this.#sampled(resting);
+    this.#early = null;
     const quantity = this.#content.quantity[state.quantity];
     const subjects = this.#content.subjects ?? [];
     // what is taken home is written from the state of its values, not from a later one

@@ -9,8 +9,8 @@ export const SIDE = 401;
 const SIDES = [SIDE, 201, 101];
 const SWAY_SIDE = 201; // of sway, which takes the program longest
 const COARSE = 41; // of what the program computes while a slider moves
-// ms, for the values of one picture while a slider moves
-const BUDGET = { springs: 12, oneJoint: 60 };
+// ms, for the values of one picture while a slider moves; springs are to be drawn within 33
+const BUDGET = { springs: 20, oneJoint: 60 };
 const RECENT = 6; // planes, the quickest of which says what one takes
 const STANDING_SIDE = 201;
 const LIMIT_SIDE = 101;
@@ -133,11 +133,16 @@ export class Planes {
     return SIDES.find((side) => cost * side * side <= (BUDGET[way] ?? 0)) ?? SIDES.at(-1);
   }
 
+  /** One of two arrays in turn, so that what is drawn stays what it was until the next is drawn. */
+  #buffer(key, size) {
+    const [next, last] = this.#buffers.get(key) ?? [new Float64Array(size), new Float64Array(size)];
+    this.#buffers.set(key, [last, next]);
+    return next;
+  }
+
   #computed(state, way, name, { xs, ys }) {
     const { slots } = this.#formulas;
-    const key = `${way} ${name} ${xs.length}`;
-    if (!this.#buffers.has(key)) this.#buffers.set(key, new Float64Array(xs.length * ys.length));
-    const values = this.#buffers.get(key);
+    const values = this.#buffer(`${way} ${name} ${xs.length}`, xs.length * ys.length);
     const began = performance.now();
     const formula = this.#formulas[way][name];
     formula.plane(this.#person, slotOf(slots, state.x), xs, slotOf(slots, state.y), ys, values);

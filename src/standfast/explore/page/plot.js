@@ -67,7 +67,11 @@ export class Plot {
     for (let i = 0; i < MICROTASKS; i++) await null;
     this.#view.unpause(true);
     if (this.#reframed) this.#view.repaint();
-    else this.#view.paint();
+    else {
+      // new columns move no axis here, so their labels need not be measured
+      this.#view.invalidate_dataranges = false;
+      this.#view.paint();
+    }
     this.#reframed = false;
   }
 

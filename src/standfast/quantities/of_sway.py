@@ -3,10 +3,9 @@
 from standfast.parameters import JOINTS
 from standfast.quantities.row import Quantity
 from standfast.stability.sway import answers
-from standfast.stability.sway.density import COM, COP, COP_VELOCITY, PAIRS
 
 
-def _of_joint(place: int, joint: str) -> Quantity:
+def _of_joint(joint: str) -> Quantity:
     return Quantity(
         f"{joint}_sway",
         rf"\mathrm{{SD}}(\theta_{joint[0]})",
@@ -14,19 +13,19 @@ def _of_joint(place: int, joint: str) -> Quantity:
         f"standard deviation of the {joint} rotation under noise, inf where the person falls "
         "or nothing damps it",
         None,
-        fed_back=answers.deviation(PAIRS.index((place, place))),
+        fed_back=answers.deviation(answers.DEVIATIONS[f"{joint}_sway"]),
     )
 
 
 OF_SWAY = (
-    *(_of_joint(place, joint) for place, joint in enumerate(JOINTS)),
+    *map(_of_joint, JOINTS),
     Quantity(
         "com_sway",
         r"\mathrm{SD}(x_\mathrm{CoM})",
         "m",
         "standard deviation of the centre of mass over the ankle under noise",
         None,
-        fed_back=answers.deviation(COM),
+        fed_back=answers.deviation(answers.DEVIATIONS["com_sway"]),
     ),
     Quantity(
         "cop_sway",
@@ -34,7 +33,7 @@ OF_SWAY = (
         "m",
         "standard deviation of the centre of pressure under noise",
         None,
-        fed_back=answers.deviation(COP),
+        fed_back=answers.deviation(answers.DEVIATIONS["cop_sway"]),
     ),
     Quantity(
         "cop_velocity",
@@ -42,7 +41,7 @@ OF_SWAY = (
         "m/s",
         "standard deviation of the velocity of the centre of pressure under noise, below 10 Hz",
         None,
-        fed_back=answers.deviation(COP_VELOCITY),
+        fed_back=answers.deviation(answers.DEVIATIONS["cop_velocity"]),
     ),
     Quantity(
         "cop_frequency",

@@ -8,7 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from standfast.errors import InputError
-from standfast.parameters import GAINS, JOINTS, STANDARD_GRAVITY, STIFFNESSES, checked_number
+from standfast.parameters import (
+    GAINS,
+    JOINTS,
+    NOISES,
+    STANDARD_GRAVITY,
+    STIFFNESSES,
+    checked_number,
+)
 from standfast.population.people.builtin import Subpopulation
 from standfast.population.people.decoding import digest
 from standfast.population.people.distributions import (
@@ -19,6 +26,7 @@ from standfast.population.people.distributions import (
 )
 from standfast.population.people.keys import (
     LARGEST_SIZE,
+    checked_output,
     checked_population,
     selection,
     subpopulations_of,
@@ -42,6 +50,10 @@ from standfast.study.values import checked_title, known_keys
 MOST_KEPT = 10**8  # persons stored one by one
 # Blocks that are written together: about a second of work, and less where every person is kept.
 BLOCKS_PER_SHARD, BLOCKS_PER_SHARD_KEPT = 64, 2
+
+
+def _is_noisy(nerves: Distributions) -> bool:
+    return not all(each.is_nothing for name, each in nerves if name in NOISES)
 
 
 @dataclass(frozen=True)
@@ -91,12 +103,9 @@ class PopulationStudy:
         springs = tuple(zip(STIFFNESSES, distributions.values(), strict=True))
         if "builtin" in content["population"]:
             refuse_measured(springs + nerves)
-        known_keys("[output]", content.get("output", {}), ("persons",))
-        kept = content.get("output", {}).get("persons", False)
-        if not isinstance(kept, bool):
-            raise InputError(f"output.persons = {kept!r} is not true or false")
+        output = checked_output(content.get("output", {}), noisy=_is_noisy(nerves))
         population, files = checked_population(content["population"], Path(folder))
-        if kept and population["size"] > MOST_KEPT:
+        if output["persons"] and population["size"] > MOST_KEPT:
             raise InputError(
                 f"output.persons keeps at most {MOST_KEPT:,} persons, "
                 f"and population.size is {population['size']:,}"
@@ -109,7 +118,7 @@ class PopulationStudy:
                 "population": population,
                 "stiffness": {**stiffness, "correlation": [list(row) for row in correlation]},
                 **canonical_nerves(nerves),
-                "output": {"persons": kept},
+                "output": output,
             },
             files,
         )
@@ -131,6 +140,11 @@ class PopulationStudy:
         whole_number("size", self.content["population"]["size"], 1, LARGEST_SIZE)
         for name in ("title", "gravity", "seed", "method", "keeps_persons", "fingerprint"):
             getattr(self, name)
+        if (
+            checked_output(self.content["output"], noisy=_is_noisy(self.nerves))
+            != (self.content["output"])
+        ):
+            raise InputError("the study asks for other answers")
         for name in ("distributions", "nerves", "correlation", "subpopulations", "shards"):
             getattr(self, name)
         if self.content["stiffness"].keys() != {*JOINTS, "correlation"}:
@@ -204,9 +218,14 @@ class PopulationStudy:
 
     @cached_property
     def is_fed_back(self) -> bool:
-        """Whether anybody has a gain; damping and delay alone change no verdict of springs."""
+        """Whether anybody has a gain, or noise; without, damping and delay change nothing."""
         gains = (each for name, each in self.nerves if name in GAINS)
-        return not all(each.is_nothing for each in gains)
+        return bool(self.sway) or not all(each.is_nothing for each in gains)
+
+    @property
+    def sway(self) -> tuple[str, ...]:
+        """The quantities of sway that are asked; none without noise."""
+        return tuple(self.content["output"].get("quantities", ()))
 
     @property
     def measured(self) -> list[str]:

@@ -127,6 +127,11 @@ def checked_nerves(content: Mapping[str, Any]) -> Distributions:
     )
 
 
+def is_noisy(nerves: Distributions) -> bool:
+    """Return whether anybody's torques are noisy."""
+    return not all(each.is_nothing for name, each in nerves if name in NOISES)
+
+
 def refuse_measured(distributions: Distributions) -> None:
     """Refuse what is to be measured where nobody was."""
     for name in measured_of(distributions):

@@ -8,14 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from standfast.errors import InputError
-from standfast.parameters import (
-    GAINS,
-    JOINTS,
-    NOISES,
-    STANDARD_GRAVITY,
-    STIFFNESSES,
-    checked_number,
-)
+from standfast.parameters import GAINS, JOINTS, STANDARD_GRAVITY, STIFFNESSES, checked_number
 from standfast.population.people.builtin import Subpopulation
 from standfast.population.people.decoding import digest
 from standfast.population.people.distributions import (
@@ -39,6 +32,7 @@ from standfast.population.people.sections import (
     canonical_nerves,
     checked_nerves,
     checked_stiffness,
+    is_noisy,
     refuse_measured,
     without_choice,
 )
@@ -50,10 +44,6 @@ from standfast.study.values import checked_title, known_keys
 MOST_KEPT = 10**8  # persons stored one by one
 # Blocks that are written together: about a second of work, and less where every person is kept.
 BLOCKS_PER_SHARD, BLOCKS_PER_SHARD_KEPT = 64, 2
-
-
-def _is_noisy(nerves: Distributions) -> bool:
-    return not all(each.is_nothing for name, each in nerves if name in NOISES)
 
 
 @dataclass(frozen=True)
@@ -103,7 +93,7 @@ class PopulationStudy:
         springs = tuple(zip(STIFFNESSES, distributions.values(), strict=True))
         if "builtin" in content["population"]:
             refuse_measured(springs + nerves)
-        output = checked_output(content.get("output", {}), noisy=_is_noisy(nerves))
+        output = checked_output(content.get("output", {}), noisy=is_noisy(nerves))
         population, files = checked_population(content["population"], Path(folder))
         if output["persons"] and population["size"] > MOST_KEPT:
             raise InputError(
@@ -138,17 +128,14 @@ class PopulationStudy:
     def _check(self) -> None:
         """Fail if a study that was read back is not such as is written."""
         whole_number("size", self.content["population"]["size"], 1, LARGEST_SIZE)
+        asked = checked_output(self.content["output"], noisy=is_noisy(self.nerves))
         for name in ("title", "gravity", "seed", "method", "keeps_persons", "fingerprint"):
             getattr(self, name)
-        if (
-            checked_output(self.content["output"], noisy=_is_noisy(self.nerves))
-            != (self.content["output"])
-        ):
-            raise InputError("the study asks for other answers")
         for name in ("distributions", "nerves", "correlation", "subpopulations", "shards"):
             getattr(self, name)
-        if self.content["stiffness"].keys() != {*JOINTS, "correlation"}:
-            raise InputError("the study has other joints")
+        of_joints = self.content["stiffness"].keys() == {*JOINTS, "correlation"}
+        if not of_joints or asked != self.content["output"]:
+            raise InputError("the study has other joints or answers")
 
     def __hash__(self) -> int:
         return hash((self.canonical, self.files))
@@ -219,8 +206,7 @@ class PopulationStudy:
     @cached_property
     def is_fed_back(self) -> bool:
         """Whether anybody has a gain, or noise; without, damping and delay change nothing."""
-        gains = (each for name, each in self.nerves if name in GAINS)
-        return bool(self.sway) or not all(each.is_nothing for each in gains)
+        return bool(self.sway or any(n in GAINS and not e.is_nothing for n, e in self.nerves))
 
     @property
     def sway(self) -> tuple[str, ...]:

@@ -1,5 +1,6 @@
 """Populations with noise: how much who stands sways, against persons one by one."""
 
+import csv
 import json
 import math
 
@@ -302,3 +303,42 @@ def test_the_command_tells_and_writes_all(tmp_path, monkeypatch, capsys):
         assert list(line.get_xdata()) == pytest.approx(wanted)
     with pytest.raises(sf.InputError, match="has no sway 'com_sway'"):
         sf.plot.sway_by_class("study.h5", "com_sway")
+
+
+def test_assess_has_the_sway_of_each_person(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = "height,mass,ankle_noise,feedback_delay\n"
+    text += "1.7,70,0.8,0.1\n1.8,80,,0.1\n1.6,60,0.5,\n1.7,70,1,0.9\n"
+    (tmp_path / "people.csv").write_text(text, encoding="utf-8")
+    options = ["--ankle", "0.67mgh", "--knee", "inf", "--hip", "inf", "--damping", "ankle=0.045mgh"]
+    gains = ["--proportional", "ankle=0.65mgh", "--derivative", "ankle=0.3mgh"]
+    assert main(["assess", "people.csv", *options, *gains]) == 0
+    with (tmp_path / "people-assessed.csv").open(encoding="utf-8") as file:
+        first, unknown, untimed, falls = csv.DictReader(file)
+    load = float(first["ankle_threshold_alone_Nm_rad"])
+    person = {
+        "body": sf.Body.from_height_mass(1.7, 70.0),
+        "stiffness": sf.Stiffness(0.67 * load, math.inf, math.inf),
+        "damping": (0.045 * load, 0, 0),
+        "feedback": sf.Feedback((0.65 * load, 0, 0), (0.3 * load, 0, 0), 0.1),
+    }
+    covariance = sf.sway_covariance(**person, noise=(0.8, 0, 0))
+    # of six digits, the load's too
+    assert float(first["ankle_sway_rad"]) == pytest.approx(math.sqrt(covariance[0, 0]), rel=1e-4)
+    assert (first["ankle_noise_Nm_sqrt_s"], unknown["ankle_noise_Nm_sqrt_s"]) == ("0.8", "")
+    assert float(first["cop_sway_m"]) > 0.0
+    for person, sway, frequency in ((unknown, "", ""), (untimed, "", ""), (falls, "inf", "")):
+        assert (person["cop_sway_m"], person["cop_frequency_Hz"]) == (sway, frequency)
+    # what is known without noise is told without it
+    assert float(unknown["critical_delay_s"]) > 0.0
+    found = sf.assess(
+        "people.csv",
+        otherwise={"ankle": "1.2mgh", "knee": math.inf, "hip": math.inf},
+        nerves={"damping": {"ankle": 30}, "noise": {"ankle": 2.0}},
+    )
+    springs = sf.stiffness_matrix(
+        sf.Body.from_height_mass(1.7, 70.0), sf.Stiffness(1.2 * load, 0, 0)
+    )
+    assert found.columns["ankle_sway_rad"][0] == pytest.approx(
+        0.8 / math.sqrt(2.0 * 30.0 * springs[0, 0]), rel=1e-4
+    )

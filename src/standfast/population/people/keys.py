@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from standfast.errors import InputError, nearest_name, shortened
-from standfast.parameters import BODY_MODELS
+from standfast.parameters import BODY_MODELS, JOINTS
 from standfast.population.people.builtin import PARTITION, POPULATIONS, Subpopulation
 from standfast.population.people.classes import checked_bands
 from standfast.population.people.decoding import STANDARD_INPUT, digest
 from standfast.population.people.distributions import checked_word
 from standfast.population.people.sobol import REPLICATES
 from standfast.population.people.words import SEXES
+from standfast.quantities.of_sway import OF_SWAY
 from standfast.study.values import known_keys
 
 # Who gets a body model of its own: the two sexes, and whoever is, or is known to be, neither.
@@ -29,16 +30,8 @@ CHOICES = {
 }
 LARGEST_SIZE = 10**11
 # What is answered of sway, and what of it where a study with noise does not say.
-SWAY = (
-    "ankle_sway",
-    "knee_sway",
-    "hip_sway",
-    "com_sway",
-    "cop_sway",
-    "cop_velocity",
-    "cop_frequency",
-)
-SWAY_TOLD = SWAY[3:]
+SWAY = tuple(row.name for row in OF_SWAY)
+SWAY_TOLD = tuple(name for name in SWAY if not name.startswith(JOINTS))
 LARGEST_QUASI = REPLICATES * 2**32  # Sobol points are numbered with 32 bits
 
 

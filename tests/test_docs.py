@@ -74,9 +74,11 @@ def test_the_page_on_python_runs(names):
 
 def test_the_published_law_of_the_page_on_people_is_a_study_and_says_its_numbers():
     page = (DOCS / "people.md").read_text("utf-8")
-    (block,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
-    content = tomllib.loads('[population]\nbuiltin = "nhanes-2017-2018"\nsize = 1000\n' + block)
-    study = PopulationStudy.from_dict(content)
+    block, of_sway = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    head = '[population]\nbuiltin = "nhanes-2017-2018"\nsize = 1000\n'
+    study = PopulationStudy.from_dict(tomllib.loads(head + block))
+    noisy = PopulationStudy.from_dict(tomllib.loads(head + block + of_sway))
+    assert noisy.sway == ("com_sway", "cop_sway", "cop_velocity", "cop_frequency")
     law = sf.LAWS["pasma-2017"]
     nerves = dict(study.nerves)
     assert nerves["feedback_delay"].numbers == (law.delay,)

@@ -15,6 +15,7 @@ from standfast.figures.population_charts import (
     standing_by_delay,
     survival,
 )
+from standfast.figures.population_sway import sway_by_class
 from standfast.figures.spectra import sway_spectrum
 
 __all__ = [
@@ -27,5 +28,6 @@ __all__ = [
     "risk_map",
     "standing_by_delay",
     "survival",
+    "sway_by_class",
     "sway_spectrum",
 ]

@@ -281,10 +281,12 @@ def test_bars_say_what_is_there_and_what_is_needed():
 
 def test_a_head_is_where_the_height_says(tmp_path, monkeypatch):
     drawn = {}
-    monkeypatch.setattr(
-        "standfast.figures.person.sway_pattern",
-        lambda ax, lengths, rotation, _: drawn.update(lengths=lengths, rotation=rotation),
-    )
+
+    def pattern(ax, lengths, rotation, _):
+        drawn.update(lengths=lengths, rotation=rotation)
+        ax.plot([0.0], [0.0], label="drawn")
+
+    monkeypatch.setattr("standfast.figures.person.sway_pattern", pattern)
     body = sf.Body.from_height_mass(1.8, 80.0)
     joints = dict.fromkeys(JOINTS, 900.0)
     draw_person(tmp_path / "a.png", body, 1.8, rotation=(1.0, 0.5, -3.0), words=("a", "b"),
@@ -308,7 +310,8 @@ def test_the_figure_says_what_is_drawn(tmp_path, monkeypatch, capsys, command, t
     monkeypatch.setattr("standfast.figures.person.save", lambda figure, *_: figures.append(figure))
     said(capsys, f"{command} -o {tmp_path / 'a.png'}")
     (figure,) = figures
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == labels
+    legend = figure.axes[0].get_legend()
+    assert [text.get_text() for text in legend.get_texts()] == labels
     assert figure.axes[0].get_xlabel() == "Forward (m), amplitude arbitrary"
     above = figure.get_suptitle()
     assert above.startswith(title) if title else above == ""

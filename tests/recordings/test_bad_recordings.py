@@ -34,6 +34,15 @@ def emptied(*where):
 
 
 SECONDS = slice(0, 400)
+
+
+def clocked(form):
+    """GOOD with times by hours and seconds in a form, truncated to its digits."""
+    rows = [line.split(",", 1)[1] for line in LINES[1:] if line]
+    times = [form.format(0, int(1e3 * t) / 1e3 if ".3f" in form else int(t)) for t in TIME]
+    return "\n".join([LINES[0], *(f"{t},{row}" for t, row in zip(times, rows, strict=True))]) + "\n"
+
+
 REFUSED = {
     "empty": ("", {}, "it is empty; give a line of names"),
     "blank": ("\n \n\t\n", {}, "it is empty"),
@@ -50,7 +59,7 @@ REFUSED = {
     "surface without forces": (table(PLATE, [TIME, *FORCES[2:5]]), {"surface": 0.04}, "Fx and Fy are missing"),
     "surface in mm": (GOOD, {"surface": 40}, "surface = 40 is not a height of -0.3 to 0.3 m, is it in mm?"),
     "surface a text": (GOOD, {"surface": "high"}, "surface = 'high' is not a height"),
-    "two plates": (table(["t", "Fz1", "Mx1", "My1", "Fz2"], [TIME, *FORCES[2:5], FORCES[2]]), {}, "'Fz1' (column 2) and 'Fz2' (column 5) both hold Fz"),
+    "two plates": (table(["t", "Fz1", "Mx1", "My1", "Fz2"], [TIME, *FORCES[2:5], FORCES[2]]), {}, "'Fz1' and 'Fz2' are of two plates, and where they lie to each other is not known; put the centre"),
     "no unit": (of(["t (s)", "ap", "ml"]), {}, "the column 'ap' says no unit; write unit=m, unit=cm or unit=mm"),
     "no unit of moments": (table(["t", "Fz", "Mx", "My"], [TIME, *FORCES[2:5]]), {}, "the column 'Mx' says no unit; write unit=Nm or unit=Nmm"),
     "unit of another kind": (of(["t (s)", "ap", "ml"]), {"unit": "kg"}, "unit = 'kg' is not one of m, cm, mm"),
@@ -69,7 +78,10 @@ REFUSED = {
     "time goes back": (of(time=np.where(TIME == 30.0, 10.0, TIME)), {}, "time goes back in line 3002, from 29.99 to 10 s"),
     "time stands still": (of(time=np.where((TIME > 30) & (TIME < 40), 30.0, TIME)), {}, "time stands still in line 3003, at 30 s"),
     "always the same time": (of(time=0 * TIME), {}, "the time is 0 s in all samples"),
-    "clock": (GOOD.replace("\n", "\n00:"), {}, "column 't (s)': '00:0.00000' is no number"),
+    "a clock that is none": (clocked("{:02.0f}:75:{:06.3f}"), {}, "line 2, column 't (s)': '00:75:00.000' is no time of a clock as the others are, hh:mm:ss"),
+    "a clock of whole seconds": (clocked("{:02.0f}:30:{:02.0f}"), {}, "the clock in 't (s)' has whole seconds, in which the rate does not show; say the samples a second as rate=100"),
+    "a date that is none": (clocked("2024-02-30 {:02.0f}:30:{:06.3f}"), {}, "'2024-02-30 00:30:00.000' is no time of a clock"),
+    "a number among times of a clock": (clocked("{:02.0f}:30:{:06.3f}").replace("00:30:10.000", "10.5"), {}, "line 1002, column 't (s)': '10.5' is no time of a clock"),
     "rows missing": (without(2001, 2051), {}, "50 samples (0.5 s) are missing after 19.99 s, line 2001; up to 0.1 s is filled"),
     "cells missing": (emptied(*range(2001, 2031)), {}, "30 samples (0.3 s) are missing after 19.99 s, line 2001"),
     "many cells missing": (emptied(*range(7, 5990, 12)), {}, "499 of 6,000 samples are missing (the first after 0.05 s, line 7)"),

@@ -26,7 +26,35 @@ QUOTED = '"t (s)","ap (mm)","ml (mm)"\n' + "".join(
     ",".join(f'"{n:.4f}"'.replace(".", ",") for n in row) + "\n"
     for row in zip(TIME, MM * AP, MM * ML, strict=True)
 )
+
+
+def clock(form, start=0.0, sep=","):
+    """A table whose times are of a clock that begins at some seconds of a day."""
+    rows = [form(start + t) for t in TIME]
+    lines = [sep.join(["time", "ap (mm)", "ml (mm)"])]
+    lines += [
+        sep.join([at, f"{x:.5f}", f"{y:.5f}"])
+        for at, x, y in zip(rows, MM * AP, MM * ML, strict=True)
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def of_day(seconds):
+    whole = round(1e3 * seconds) % 86_400_000
+    return f"{whole // 3_600_000:02}:{whole // 60_000 % 60:02}:{whole % 60_000 / 1e3:06.3f}"
+
+
+def of_date(seconds):
+    return f"2024-{'02-29' if seconds < 86_399.9995 else '03-01'} {of_day(seconds)}"
+
+
 FORMATS = {
+    "a clock": (clock(of_day, 45_000.0), {}),
+    "a clock over midnight": (clock(of_day, 86_370.0), {}),
+    "a clock with dates over midnight": (clock(of_date, 86_370.0), {}),
+    "minutes and seconds": (clock(lambda t: f"{int(t // 60):02}:{t % 60:06.3f}"), {}),
+    "a clock with decimal commas": (clock(lambda t: of_day(t).replace(".", ","), 60.0, ";"), {}),
+    "a clock of whole seconds and the rate": (clock(lambda t: of_day(np.floor(t))), {"rate": 100}),
     "units in the names": (table(["time (s)", "COP_AP (mm)", "COP_ML (mm)"], [TIME, MM * AP, MM * ML]), {}),
     "other brackets": (table(["Time[s]", "CoP-X [cm]", "CoP-Y [cm]"], [TIME, CM * AP, CM * ML]), {}),
     "units without brackets": (table(["time_ms", "ap_mm", "ml_mm"], [MM * TIME, MM * AP, MM * ML]), {}),

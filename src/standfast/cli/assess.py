@@ -65,6 +65,7 @@ def add(commands: Any) -> None:
         ("--damping", "damping", "N·m·s/rad"),
         ("--proportional", "proportional gain", "N·m/rad"),
         ("--derivative", "derivative gain", "N·m·s/rad"),
+        ("--noise", "white noise of the torque", "N·m·√s"),
     ):
         words = f"{kind} where the file has none, {unit}, or a multiple as 1.2mgh; repeatable"
         parser.add_argument(option, action="append", default=[], metavar="JOINT=X,…", help=words)
@@ -192,13 +193,14 @@ def _body_model(text: str) -> str | dict[str, str]:
 
 
 def _nerves(options: argparse.Namespace) -> "Distributions":
-    """Read what the options say of damping, delay and gains."""
+    """Read what the options say of damping, delay, gains and noise."""
     from standfast.population.people.sections import checked_nerves
 
     feedback: dict[str, Any] = {}
-    content: dict[str, Any] = {"damping": {}, "feedback": feedback}
+    content: dict[str, Any] = {"damping": {}, "feedback": feedback, "noise": {}}
     for option, table in (
         ("damping", content["damping"]),
+        ("noise", content["noise"]),
         ("proportional", feedback.setdefault("proportional", {})),
         ("derivative", feedback.setdefault("derivative", {})),
     ):

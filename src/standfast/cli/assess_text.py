@@ -30,6 +30,10 @@ with gains also damping, delay and gains, and
   stands_with_feedback                  yes or no at the own delay
   critical_delay_s                      delay at which standing is first lost; 0, inf: never
   delay_margin_s                        critical delay less the own
+with noise also the noises, and
+  JOINT_sway_rad, com_sway_m, cop_sway_m, cop_velocity_m_s
+                                        standard deviations; inf who falls or is not damped
+  cop_frequency_Hz                      mean frequency of the CoP
 then all other columns of the file as they were"""
 
 

@@ -1,5 +1,6 @@
 """The answers of a population as text, on one screen."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -10,6 +11,13 @@ from standfast.population.people.classes import STRATA, UNKNOWN
 
 # How a multiple of a load is told, of something in N·m/rad.
 RELATIVE = {"mgh": "mgh", "single_joint_critical": "the own threshold"}
+# How sway is printed, by its unit: in which unit, and how many of that are one of SI.
+SWAY_PRINTED = {
+    "m": ("mm", 1e3),
+    "m/s": ("mm/s", 1e3),
+    "rad": ("°", math.degrees(1.0)),
+    "Hz": ("Hz", 1.0),
+}
 DRIVEN = {
     "unstable": "falling",
     "safety_factor": "the safety factor",
@@ -60,9 +68,47 @@ def _print_delays(summary: Mapping[str, Any]) -> None:
     for label, shares in rows:
         words = "".join(f"{_delay(found):>22}" for found in shares.values())
         print(f"  {label:16}{words}")
+    if "sway" in summary:
+        _print_sway(summary["sway"])
     if left_open := summary["left_open_by_rounding"]:
         of_all = counted(summary["size"], "person")
         print(f"  rounding leaves something open of {left_open:,} of {of_all}")
+
+
+def _print_sway(sway: Mapping[str, Any]) -> None:
+    """Print median and the middle 95 % of each quantity of sway, of all and by class."""
+    everybody = next(iter(sway.values()))["all"]
+    persons, swaying = everybody["persons"], everybody["swaying"]
+    none = counted(persons - swaying, "person")
+    print(
+        f"\nsway under noise: median [2.5 %, 97.5 %] of the {swaying:,} of "
+        f"{counted(persons, 'person')} who stand and are damped\n  (the other {none} have none, "
+        "and are not in it)"
+    )
+    heads = [
+        f"{name.replace('_', ' ')}, {SWAY_PRINTED[of['unit']][0]}" for name, of in sway.items()
+    ]
+    print(f"  {'':16}" + "".join(f"{head:>24}" for head in heads))
+    labels = [("all", "")]
+    one_kind = _says_nothing_new(next(iter(sway.values())))
+    for key in ("sex", "age", *([] if one_kind else ["sex_and_age"])):
+        of_key = next(iter(sway.values()))[key]
+        crossed = key == "sex_and_age"
+        labels += [(key, each) for each in of_key if not (crossed and UNKNOWN in each)]
+    for key, label in labels:
+        found = [of[key][label] if label else of[key] for of in sway.values()]
+        units = [SWAY_PRINTED[of["unit"]][1] for of in sway.values()]
+        words = map(_middle, found, units)
+        print(f"  {label or 'all':16}" + "".join(f"{each:>24}" for each in words))
+
+
+def _middle(found: Mapping[str, Any], factor: float) -> str:
+    """Return median and middle 95 % of a quantity of sway."""
+    if found["quantiles"] is None:
+        return "nobody"
+    low, middle, high = (found["quantiles"][share]["value"] for share in ("0.025", "0.5", "0.975"))
+    words = ["∞" if each is None else f"{factor * each:.3g}" for each in (low, middle, high)]
+    return f"{words[1]} [{words[0]}, {words[2]}]"
 
 
 def _delay(found: Mapping[str, Any]) -> str:
@@ -102,8 +148,8 @@ def _law(law: Mapping[str, Any], unit: str) -> str:
         return str(kind)
     numbers = ", ".join(f"{name} {value}" for name, value in law.items())
     if relative in RELATIVE:
-        seconds = "s " if unit == PARAMETERS["ankle_damping"].unit else ""
-        unit = f"{seconds}of {RELATIVE[relative]}"
+        made = {PARAMETERS["ankle_damping"].unit: "s ", PARAMETERS["ankle_noise"].unit: "√s "}
+        unit = f"{made.get(unit, '')}of {RELATIVE[relative]}"
     return f"{kind} {numbers} {unit}"
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from standfast.cli.population_text import SWAY_PRINTED
 from standfast.files import for_spreadsheets, whole_table
 from standfast.population.people.classes import STRATA
 
@@ -49,6 +50,8 @@ def rows_of_population(summary: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
             of_class = borne["all"] if key == "all" else borne.get(key, {}).get(label)
             for share in borne["all"]:
                 row |= _delay_borne(f"delay_borne_by_{share}", of_class and of_class[share])
+        for name, sway in summary.get("sway", {}).items():
+            row |= _sway(name, sway, key, label)
         yield row
 
 
@@ -61,6 +64,20 @@ def _delay_borne(name: str, found: Mapping[str, Any] | None) -> dict[str, float 
     return {
         column: math.inf if each is None else each
         for column, each in zip(columns, told, strict=True)
+    }
+
+
+def _sway(name: str, sway: Mapping[str, Any], key: str, label: str) -> dict[str, float | None]:
+    """Return median and middle 95 % of a quantity of sway, as it is printed, with the unit."""
+    unit, factor = SWAY_PRINTED[sway["unit"]]
+    of_class = sway["all"] if key == "all" else sway.get(key, {}).get(label)
+    quantiles = (of_class or {}).get("quantiles") or {}
+    written = {"mm/s": "mm_s", "°": "deg"}.get(unit, unit)
+    shares = {"median": "0.5", "p2.5": "0.025", "p97.5": "0.975"}
+    values = {word: quantiles.get(share, {}).get("value") for word, share in shares.items()}
+    return {
+        f"{name}_{word}_{written}": None if value is None else factor * value
+        for word, value in values.items()
     }
 
 

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 
 from standfast.errors import InputError, nearest_name
 from standfast.figures import population_charts, style
+from standfast.figures.population_sway import sway_by_class
 from standfast.population.summary.file import Population
 
 # With feedback, and fewer falls than that, a map of them shows chance alone.
@@ -91,6 +92,12 @@ def _pictures(population: Population) -> dict[str, Picture]:
             _never_changes(population),
             _classes_left_out(population),
         )
+        for name in population.study.sway:
+            height = 0.9 + 0.2 * (1 + len(population_charts.classes_shown(population)[0]))
+            nobody = "" if np.isfinite(population.array(name)).any() else "nobody sways"
+            pictures[f"sway-{name}"] = Picture(
+                height, partial(sway_by_class, quantity=name), nobody
+            )
         if 0.0 < falls < FEWEST_FALLS:
             few = f"{100.0 * falls:.2g} % fall, too few for a map"
             pictures["risk-map"] = Picture(2.9, population_charts.risk_map, few)

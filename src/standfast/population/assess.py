@@ -14,12 +14,14 @@ from standfast.numerics.arrays import Scalar
 from standfast.parameters import (
     GAINS,
     JOINTS,
+    NOISES,
     PARAMETERS,
     STANDARD_GRAVITY,
     STIFFNESSES,
     checked_number,
 )
 from standfast.population.assessed import Assessment
+from standfast.population.assessed_sway import UNITS, columns_of_sway
 from standfast.population.cohort.bodies import Models, body_in, models_of
 from standfast.population.cohort.nerves import entries_of, judged
 from standfast.population.cohort.persons import load_of
@@ -34,8 +36,6 @@ from standfast.stability.springs import critical_stiffness, verdict
 
 DELAY = "feedback_delay"
 PIECE = 2**14  # persons who are computed together, at all times: 5 ms, and compiling takes 3 s
-# How the names of columns say units.
-UNITS = {"N·m/rad": "Nm_rad", "N·m·s/rad": "Nms_rad", "s": "s"}
 
 
 def assess(
@@ -52,7 +52,7 @@ def assess(
     Found are thresholds of each joint alone (the other two rigid) and with the other two as they
     are, safety factor, reserve, frequency, strategy, and what each joint would have to gain: all of
     springs alone. With gains, which people have or ``nerves`` fixes where they have none, follow
-    the verdict, critical delay and delay margin with feedback.
+    the verdict, critical delay and delay margin with feedback; with noise how much each sways.
 
     Parameters
     ----------
@@ -64,8 +64,9 @@ def assess(
         stiffness (N·m/rad, ``inf`` is rigid) by joint, where it is not known of a person, or a
         multiple of the load that topples the person's body about the ankle, as ``"0.67mgh"``.
     nerves
-        damping, delay and gains where they are not known: the tables ``damping`` and ``feedback``
-        of a population's study, each a number or a ``fixed`` distribution.
+        damping, delay, gains and noise where they are not known: the tables ``damping``,
+        ``feedback`` and ``noise`` of a population's study, each a number or a ``fixed``
+        distribution.
     progress
         called with the persons done and all of them, again and again.
 
@@ -108,7 +109,7 @@ def _assessed(
         return _in_pieces(_loads, of_each, tuple(size), bodies)["ankle"]
 
     known = stiffness_of_each(people, otherwise, toppling_load)
-    fed_back = any(name in fixed or name in people.measured for name in GAINS)
+    fed_back = any(name in fixed or name in people.measured for name in (*GAINS, *NOISES))
     step = _Steps(progress, len(people) * (1 + fed_back))
     names = (*size, *STIFFNESSES)
     given = np.array([*size.values(), *known.values()])
@@ -210,8 +211,8 @@ def _with_feedback(
         if name in fixed:
             instead = fixed[name].numbers[0] * load_of(name, fixed[name].relative_to, loads)
         values[name] = np.where(np.isnan(own), instead, own)
-    told = np.all([~np.isnan(each) for name, each in values.items() if name != DELAY], axis=0)
-    told &= everything
+    there = {name: ~np.isnan(each) for name, each in values.items()}
+    told = np.all([everything, *(there[n] for n in names if n not in (DELAY, *NOISES))], axis=0)
     timed = told & ~np.isnan(values.get(DELAY, np.full(len(people), math.nan)))
     # what is not known is computed with zeros, and not told
     numbers = np.array([*given, *(np.nan_to_num(each) for each in values.values())])
@@ -232,6 +233,7 @@ def _with_feedback(
         "stands_with_feedback": np.where(timed, np.where(stands, "yes", "no"), ""),
         "critical_delay_s": np.where(told, critical, math.nan),
         "delay_margin_s": np.where(timed, margin, math.nan),
+        **columns_of_sway(pieces, (told if not {*GAINS} & {*names} else timed), there),
     }
 
 

@@ -63,6 +63,13 @@ def centre_of(
 def only(found: dict[str, list[Column]], holds: str) -> Column | None:
     """Return the only column that holds something; refuse several."""
     several = found.get(holds, [])
+    if len(several) > 1 and holds[0] in "FM":
+        raise InputError(
+            f"{several[0].name!r} and {several[1].name!r} are of two plates, and where they lie to "
+            "each other is not known; put the centre of pressure of both into the file, (Fz1 CoP1 "
+            "+ Fz2 CoP2)/(Fz1 + Fz2) with each CoP in one frame, as columns COP_AP (mm) and COP_ML "
+            "(mm), or keep one plate"
+        )
     if len(several) > 1:
         places = " and ".join(f"{c.name!r} (column {c.place + 1})" for c in several[:3])
         raise InputError(

@@ -20,10 +20,11 @@ from standfast.population.people.decoding import (
     decoded,
 )
 from standfast.recordings.centre import centre_of, only
+from standfast.recordings.clock import clock_seconds, is_clock
 from standfast.recordings.columns import Column, chosen, listed, recognised
 from standfast.recordings.recording import Recording, checked_rate
 from standfast.recordings.sampling import Samples, evenly, in_seconds
-from standfast.recordings.table import Table, numbers_in, rate_above, table_of
+from standfast.recordings.table import Table, entries_in, numbers_in, rate_above, table_of
 
 HIGHEST_SURFACE = 0.3  # m
 
@@ -157,7 +158,10 @@ def _time(
         column = only(found, "time")
     if column is None:
         return None
+    entries = entries_in(table, column.place)
     try:
+        if is_clock(entries):
+            return clock_seconds(entries, table.lines, column.name)
         (numbers,) = numbers_in(table, [column.place])
     except InputError:
         if rate is None or option is not None:

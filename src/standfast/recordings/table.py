@@ -1,5 +1,6 @@
 """From the text of a recording to its table: separator, lines before it, names, units, rows."""
 
+import contextlib
 import csv
 import re
 from collections import Counter
@@ -15,6 +16,7 @@ from standfast.population.people.decimals import Comma, both_readings, comma_of,
 from standfast.recordings.columns import are_units
 
 SEPARATORS = ("\t", ";", "|", ",", " ")  # the last: any number of blanks
+PLAINLY = re.compile(r"[-+0-9.eE\n]*", re.ASCII)  # numbers without commas
 NUMBER = re.compile(r"[-+]?[\d.,]*\d[\d.,]*(?:[eE][-+]?\d+)?", re.ASCII)
 # How programs write that there is no number.
 NOTHING = {
@@ -88,9 +90,11 @@ def numbers_in(table: Table, places: Sequence[int]) -> list[Array]:
     InputError
         if an entry is no number, or may be two.
     """
-    entries = [
-        [row[place].strip() if place < len(row) else "" for row in table.rows] for place in places
-    ]
+    entries = [entries_in(table, place) for place in places]
+    # most recordings: plain numbers throughout, read at once, in a third of the time
+    if all(PLAINLY.fullmatch("\n".join(column)) for column in entries):
+        with contextlib.suppress(ValueError):
+            return [np.array([*map(float, column)]) for column in entries]
     comma = comma_of((each for column in entries for each in column), table.separator)
     if comma is Comma.UNKNOWN and not any("." in each for column in entries for each in column):
         comma = Comma.ASSUMED  # without one decimal point: no one stands whose sway has no decimals
@@ -100,6 +104,11 @@ def numbers_in(table: Table, places: Sequence[int]) -> list[Array]:
         ])
         for place, column in zip(places, entries, strict=True)
     ]  # fmt: skip
+
+
+def entries_in(table: Table, place: int) -> list[str]:
+    """Return a column as text, empty where a row is too short."""
+    return [row[place].strip() if place < len(row) else "" for row in table.rows]
 
 
 def rate_above(table: Table) -> float | None:
@@ -214,13 +223,11 @@ def _rows(
         if not line.strip():
             blank = True
             continue
-        words = not any(map(_is_number, cells))
-        named = any(cell.strip().lower() not in NOTHING for cell in cells)
-        if words and named and (blank or len(cells) != width):
+        if (blank or len(cells) != width) and _are_words(cells):
             if any(each.strip() for each in lines[number:]):
                 remarks.append(f"what follows from line {number} on is not read")
             break
-        if any(cell.strip() for cell in cells[width:]):
+        if len(cells) > width and any(cell.strip() for cell in cells[width:]):
             raise InputError(
                 f"line {number} has {len(cells)} entries, and the others {width}; is a decimal "
                 "comma not in quotes?"
@@ -232,6 +239,13 @@ def _rows(
         remarks.append(f"line {places[-1]}, the last, is cut off and left out")
         rows, places = rows[:-1], places[:-1]
     return rows, places, remarks
+
+
+def _are_words(cells: Sequence[str]) -> bool:
+    """Return whether a line has no number, and says more than that nothing is there."""
+    return not any(map(_is_number, cells)) and any(
+        cell.strip().lower() not in NOTHING for cell in cells
+    )
 
 
 def _number(table: Table, row: int, place: int, entry: str, comma: Comma) -> float:

@@ -89,6 +89,7 @@ def cohort_of(study: PopulationStudy, people: People | None) -> Cohort:
         study.distributions,
         study.nerves if study.is_fed_back else (),
         people is not None and OWN_BODY[0] in people.measured,
+        study.sway,
     )
     sampler = Sampler(model.coordinates, study.correlation, study.method, study.seed)
     by_weight = WeightedRows.of(people.weight) if people is not None else None

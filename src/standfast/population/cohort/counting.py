@@ -12,6 +12,7 @@ from standfast.population.cohort.cohort import Cohort
 from standfast.population.cohort.histograms import (
     EXTREMES,
     EXTREMES_FED_BACK,
+    SWAY_BINS_PER_UNIT,
     VALUE_BINS,
     bin_of,
     bins_of,
@@ -24,6 +25,7 @@ from standfast.population.cohort.histograms import (
 from standfast.population.cohort.nerves import FedBackPersons, fed_back
 from standfast.population.cohort.persons import growth, outcome
 from standfast.population.cohort.settling import settle_bins, settle_persons
+from standfast.population.cohort.sway import swayed
 from standfast.population.people.study import PopulationStudy
 
 # Of so many persons the distributions are kept: more of them would add no digit that any model of
@@ -46,14 +48,17 @@ class Counts(NamedTuple):
     kept: bytes
 
 
-def histogram_shapes(cohort: Cohort) -> tuple[int, int, bool]:
-    """Return what histograms are of: strata, rows of a file of people, whether fed back."""
-    return len(cohort.strata), cohort.rows, bool(cohort.model.nerves)
+def histogram_shapes(cohort: Cohort) -> tuple[int, int, bool, int]:
+    """Return what histograms are of: strata, rows of a file, whether fed back, kinds of sway."""
+    model = cohort.model
+    return len(cohort.strata), cohort.rows, bool(model.nerves), len(model.sway)
 
 
 def is_detailed(study: PopulationStudy, block: Block) -> bool:
-    """Return whether distributions are kept of a block's persons."""
-    if study.is_fed_back:  # the critical delay is found with every verdict
+    """Return whether distributions are kept of a block's persons; with noise those of sway."""
+    if study.is_fed_back and not study.sway:  # the critical delay is found with every verdict
+        return True
+    if study.sway and study.keeps_persons:
         return True
     return block.number * study.block_size * study.replicates < DETAILED
 
@@ -64,7 +69,8 @@ def count_block(study: PopulationStudy, cohort: Cohort, block: Block) -> Counts:
     numbers = cohort.numbers(variates)
     size = study.block_persons(block.number)
     if cohort.model.nerves:
-        return _count_fed_back(study, cohort, variates, numbers, size)
+        sways = bool(study.sway) and is_detailed(study, block)
+        return _count_fed_back(study, cohort, variates, numbers, size, sways=sways)
     detailed = is_detailed(study, block)
     if detailed:
         mapped = map_over_batch(bins_of, cohort.model, cohort.names)(numbers)
@@ -95,7 +101,13 @@ def _rows(cohort: Cohort, variates: np.ndarray, fallen: np.ndarray) -> dict[str,
 
 
 def _count_fed_back(
-    study: PopulationStudy, cohort: Cohort, variates: np.ndarray, numbers: np.ndarray, size: int
+    study: PopulationStudy,
+    cohort: Cohort,
+    variates: np.ndarray,
+    numbers: np.ndarray,
+    size: int,
+    *,
+    sways: bool,
 ) -> Counts:
     """Count the persons of a block who have feedback, by their verdict at their own delay."""
     classed = classes_of(map_over_batch(class_of, cohort.model, cohort.names), numbers, size)
@@ -123,7 +135,24 @@ def _count_fed_back(
         ),
         **_rows(cohort, variates, fallen),
     }
-    return Counts(counts, _kept(cohort, variates, found) if study.keeps_persons else b"")
+    of_sway: dict[str, np.ndarray] = {}
+    if sways:
+        of_sway, sure = swayed(found.numbers, found.stands, study.sway)
+        counts["sway"] = np.array(
+            [_counted_sway(each, stratum, cohort) for each in of_sway.values()]
+        )
+        counts["left_open"] += (~sure & ~found.uncertain).sum()
+    return Counts(counts, _kept(cohort, variates, found, of_sway) if study.keeps_persons else b"")
+
+
+def _counted_sway(values: np.ndarray, stratum: np.ndarray, cohort: Cohort) -> np.ndarray:
+    """Count a quantity of sway by stratum, (strata, VALUE_BINS + 3): last who has none."""
+    there, strata = np.isfinite(values), len(cohort.strata)
+    bins = np.where(
+        there, bin_of(SWAY_BINS_PER_UNIT * np.where(there, values, 1.0)), VALUE_BINS + 2
+    )
+    found = np.bincount((VALUE_BINS + 3) * stratum + bins, minlength=(VALUE_BINS + 3) * strata)
+    return found.reshape(strata, -1)
 
 
 def _load_sums(found: Mapping[str, np.ndarray]) -> np.ndarray:
@@ -177,7 +206,17 @@ def _columns(cohort: Cohort, variates: np.ndarray, found: Mapping[str, np.ndarra
     return np.array([columns[name] for name in cohort.kept], np.float64).tobytes()
 
 
-def _kept(cohort: Cohort, variates: np.ndarray, found: FedBackPersons) -> bytes:
+def _kept(
+    cohort: Cohort,
+    variates: np.ndarray,
+    found: FedBackPersons,
+    of_sway: Mapping[str, np.ndarray],
+) -> bytes:
     """Return what is kept of every person with feedback, as columns of float64."""
-    columns = {**found.numbers, "critical_delay": found.critical_delay, "stable": found.stands}
+    columns = {
+        **found.numbers,
+        **of_sway,
+        "critical_delay": found.critical_delay,
+        "stable": found.stands,
+    }
     return _columns(cohort, variates, columns)

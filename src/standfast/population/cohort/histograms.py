@@ -20,6 +20,8 @@ LOWEST_OCTAVE, OCTAVES = -12, 36  # 0.0002 to 16 million
 VALUE_BINS = OCTAVES << BITS_PER_OCTAVE
 _SHIFT = 52 - BITS_PER_OCTAVE
 _FIRST = (1023 + LOWEST_OCTAVE) << BITS_PER_OCTAVE
+# Of a metre, rad, m/s or Hz: bins begin at 0.0002 of these. A power of two, so nothing is rounded.
+SWAY_BINS_PER_UNIT = 1024.0
 # What is told as one number where it is the same in everybody: of springs, and with feedback.
 EXTREMES = (
     "safety_factor",
@@ -134,6 +136,9 @@ class Histograms:
 
     ``settled`` are persons whom rounding left open by springs alone, settled in exact arithmetic;
     ``extremes`` holds the least of each of EXTREMES, and of each with the other sign.
+
+    ``sway`` counts each quantity of sway that is asked in bins of SWAY_BINS_PER_UNIT times its
+    number in SI; the last bin is of who has none, because they fall or nothing damps them.
     """
 
     classes: np.ndarray  # (strata, heights + 2, BMIs + 2, 2)
@@ -148,9 +153,10 @@ class Histograms:
     left_open: np.ndarray  # (1,)
     settled: np.ndarray  # (1,)
     extremes: np.ndarray  # (2, EXTREMES or EXTREMES_FED_BACK)
+    sway: np.ndarray  # (quantities, strata, VALUE_BINS + 3)
 
     @classmethod
-    def empty(cls, strata: int, rows: int, fed_back: bool) -> "Histograms":
+    def empty(cls, strata: int, rows: int, fed_back: bool, sways: int) -> "Histograms":
         """Return histograms of no one."""
 
         def counts(*shape: int, asked: bool = True) -> np.ndarray:
@@ -169,6 +175,7 @@ class Histograms:
             counts(1, asked=fed_back),
             counts(1),
             np.full((2, len(EXTREMES_FED_BACK if fed_back else EXTREMES)), np.inf),
+            counts(sways, strata, VALUE_BINS + 3, asked=sways > 0),
         )
 
     def add(self, parts: Mapping[str, np.ndarray]) -> None:
@@ -190,9 +197,11 @@ class Histograms:
         return b"".join(array.tobytes() for array in vars(self).values())
 
     @classmethod
-    def from_bytes(cls, raw: bytes, strata: int, rows: int, fed_back: bool) -> "Histograms":
+    def from_bytes(
+        cls, raw: bytes, strata: int, rows: int, fed_back: bool, sways: int
+    ) -> "Histograms":
         """Read histograms of known sizes back."""
-        histograms = cls.empty(strata, rows, fed_back)
+        histograms = cls.empty(strata, rows, fed_back, sways)
         start = 0
         for array in vars(histograms).values():
             array[...] = np.frombuffer(raw, array.dtype, array.size, start).reshape(array.shape)

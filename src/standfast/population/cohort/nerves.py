@@ -11,7 +11,7 @@ from standfast.mechanics.feedback import delay_of, equation_of
 from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import Scalar, namespace
-from standfast.parameters import JOINTS, STIFFNESSES
+from standfast.parameters import JOINTS, NOISES, STIFFNESSES
 from standfast.population.cohort.cohort import Cohort
 from standfast.population.cohort.persons import CohortModel, near, person_of
 from standfast.population.cohort.settling import settled
@@ -64,7 +64,7 @@ def equation(model: CohortModel, given: Mapping[str, Scalar]) -> dict[str, Scala
 def entries_of(
     body: Body, stiffness: Stiffness, gravity: float, nerves: Mapping[str, Scalar]
 ) -> dict[str, Scalar]:
-    """Return all that :func:`judged` asks of a person, and its damping and gains."""
+    """Return all that :func:`judged` asks of a person, its damping and gains; and of its noise."""
     xp = namespace(*body)
     parts = equation_of(body, stiffness, gravity, nerves)
     entries = [entry for part in parts for row in part for entry in row]
@@ -74,6 +74,10 @@ def entries_of(
         **nerves,
         "feedback_delay": delay_of(nerves),
     }
+    if not nerves.keys().isdisjoint(NOISES):  # what sway needs beside
+        loads, _, _ = joint_gravity(body, gravity)
+        named |= {f"load_{joint}": load for joint, load in zip(JOINTS, loads, strict=True)}
+        named["weight"] = gravity * sum(body.segment_mass)
     found = {name: xp.asarray(number, np.float64) for name, number in named.items()}
     return {**found, "springs": verdict(body, stiffness, gravity)}
 

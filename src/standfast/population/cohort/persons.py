@@ -42,8 +42,9 @@ class CohortModel:
     strata_sexes: tuple[str, ...]
     scattered: bool
     distributions: tuple[ParameterDistribution, ParameterDistribution, ParameterDistribution]
-    nerves: Distributions = ()  # of damping, delay and gains; none where nothing is fed back
+    nerves: Distributions = ()  # of damping, delay, gains, noise; none where nothing is fed back
     own_segments: bool = False  # people of the file have them, some or all
+    sway: tuple[str, ...] = ()  # quantities that are asked under noise
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
@@ -78,17 +79,17 @@ class CohortModel:
     @property
     def kept(self) -> tuple[str, ...]:
         """What is kept of every person when asked."""
-        return kept_of(self.nerves, bool(self.nerves))
+        return kept_of(self.nerves, bool(self.nerves), self.sway)
 
 
-def kept_of(nerves: Distributions, fed_back: bool) -> tuple[str, ...]:
+def kept_of(nerves: Distributions, fed_back: bool, sway: tuple[str, ...]) -> tuple[str, ...]:
     """Return what is kept of every person when asked."""
     springs = ("height", "mass", *STIFFNESSES)
     if not fed_back:
         return (*springs, "safety_factor", "stable")
     # a delay that is not given is 0
     given = dict.fromkeys([*(name for name, _ in nerves), "feedback_delay"])
-    return (*springs, *given, "critical_delay", "stable")
+    return (*springs, *given, "critical_delay", "stable", *sway)
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from standfast.errors import InputError
 from standfast.parameters import (
     DAMPINGS,
     GAINS,
+    NOISES,
     OWN_BODY,
     PARAMETERS,
     STIFFNESSES,
@@ -21,12 +22,13 @@ from standfast.population.people.entries import number_of
 from standfast.population.people.words import is_numbered
 
 # What may have been measured of a person.
-MEASURABLE = (*STIFFNESSES, *DAMPINGS, "feedback_delay", *GAINS, *OWN_BODY)
+MEASURABLE = (*STIFFNESSES, *DAMPINGS, "feedback_delay", *GAINS, *NOISES, *OWN_BODY)
 # How a column's name says a unit of SI.
 UNITS = {
     "N·m/rad": "{0}_nm_rad {0}_n_m_rad",
     "N·m·s/rad": "{0}_nms_rad {0}_n_m_s_rad",
     "s": "{0}_s",
+    "N·m·√s": "{0}_nm_sqrt_s {0}_n_m_s",  # the last of "N·m·√s"
     "kg": "{0}_kg",
     "kg·m²": "{0}_kgm2 {0}_kg_m2 {0}_kg_m",  # the last of "kg m²"
     "m": "{0}_m",

@@ -37,6 +37,12 @@ DISTRIBUTIONS: Mapping[str, tuple[str, ...]] = {
 MULTIPLE = Parameter("multiple", "", "1", "stiffness per load", 0.0, 1e6, or_rigid=True)
 # Of gains and damping, as multiples of a load; what is given in N·m/rad lies beyond.
 LARGEST_MULTIPLE = 50.0
+# What a multiple of a load (N·m/rad) is in, by the unit of what it makes.
+MULTIPLE_UNITS = {
+    PARAMETERS["ankle_stiffness"].unit: "1",
+    PARAMETERS["ankle_damping"].unit: "s",
+    PARAMETERS["ankle_noise"].unit: "√s",
+}
 # Gains from one joint to another may be of either sign.
 CROSS_GAINS = frozenset(
     gain_name(kind, *loop)
@@ -212,7 +218,7 @@ def _number(row: Parameter, relative_to: str, key: str, given: Any) -> float:
         return _not_negative(where, given, row if of_springs else replace(row, lowest=lowest))
     if of_springs:
         return checked_number(where, given, row=replace(MULTIPLE, or_rigid=row.or_rigid))
-    unit = "1" if row.unit == PARAMETERS["ankle_stiffness"].unit else "s"
+    unit = MULTIPLE_UNITS[row.unit]
     lowest = max(lowest, -LARGEST_MULTIPLE)
     multiple = replace(row, unit=unit, lowest=lowest, highest=LARGEST_MULTIPLE)
     number = _not_negative(where, given, replace(multiple, highest=math.inf))

@@ -6,14 +6,15 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from standfast.errors import InputError, nearest_name
-from standfast.parameters import BODY_MODELS
+from standfast.errors import InputError, nearest_name, shortened
+from standfast.parameters import BODY_MODELS, JOINTS
 from standfast.population.people.builtin import PARTITION, POPULATIONS, Subpopulation
 from standfast.population.people.classes import checked_bands
 from standfast.population.people.decoding import STANDARD_INPUT, digest
 from standfast.population.people.distributions import checked_word
 from standfast.population.people.sobol import REPLICATES
 from standfast.population.people.words import SEXES
+from standfast.quantities.of_sway import OF_SWAY
 from standfast.study.values import known_keys
 
 # Who gets a body model of its own: the two sexes, and whoever is, or is known to be, neither.
@@ -28,7 +29,40 @@ CHOICES = {
     "method": ("monte-carlo", ("monte-carlo", "quasi-monte-carlo")),
 }
 LARGEST_SIZE = 10**11
+# What is answered of sway, and what of it where a study with noise does not say.
+SWAY = tuple(row.name for row in OF_SWAY)
+SWAY_TOLD = tuple(name for name in SWAY if not name.startswith(JOINTS))
 LARGEST_QUASI = REPLICATES * 2**32  # Sobol points are numbered with 32 bits
+
+
+def checked_output(given: Any, *, noisy: bool) -> dict[str, Any]:
+    """Check what is answered beside the risk: whether persons are kept, and with noise which sway.
+
+    Without noise there is no key of sway, so that such studies are what they were.
+    """
+    known_keys("[output]", given, ("persons", "quantities"))
+    kept = given.get("persons", False)
+    if not isinstance(kept, bool):
+        raise InputError(f"output.persons = {kept!r} is not true or false")
+    names = given.get("quantities", SWAY_TOLD if noisy else ())
+    if not isinstance(names, list | tuple) or not all(isinstance(name, str) for name in names):
+        raise InputError(f"output.quantities = {shortened(names)} is not a list of quantities")
+    for name in names:
+        if name not in SWAY:
+            raise InputError(
+                f"output.quantities has no {shortened(name)}{nearest_name(name, SWAY)} (of a "
+                f"population with noise: {', '.join(SWAY)})"
+            )
+    if len(set(names)) < len(names):
+        raise InputError("output.quantities names a quantity twice")
+    if names and not noisy:
+        raise InputError(
+            f"output.quantities: {names[0]} is of persons with noise; give [noise] ankle = 1.0 "
+            "(N·m·√s) or a distribution"
+        )
+    if noisy and not names:
+        raise InputError("output.quantities is an empty list; with [noise] give one or more")
+    return {"persons": kept, **({"quantities": list(names)} if noisy else {})}
 
 
 def checked_population(given: Any, folder: Path) -> tuple[dict[str, Any], tuple[Path, ...]]:

@@ -1,7 +1,7 @@
-"""The tables of a population's study that say how persons are: [stiffness], [damping], [feedback].
+"""The tables of a population's study that say how persons are, from [stiffness] to [noise].
 
-Damping, delay and gains are optional, distribution by distribution; a plain number is the same in
-everybody.
+Damping, delay, gains and noise are optional, distribution by distribution; a plain number is the
+same in everybody.
 """
 
 from collections.abc import Mapping
@@ -15,6 +15,7 @@ from standfast.parameters import (
     DAMPINGS,
     GAINS,
     JOINTS,
+    NOISES,
     PARAMETERS,
     STIFFNESSES,
     Parameter,
@@ -34,8 +35,8 @@ LEAST_GAIN = 5.0
 # The same of any joint's stiffness: the hip of a light child takes more than ten times that.
 LEAST_STIFFNESS = 5.0
 # What a person may have beside springs, in the order in which it is drawn.
-NERVES = (*DAMPINGS, "feedback_delay", *GAINS)
-SECTIONS = ("damping", "feedback")
+NERVES = (*DAMPINGS, "feedback_delay", *GAINS, *NOISES)
+SECTIONS = ("damping", "feedback", "noise")
 KINDS = ("proportional", "derivative")
 
 Correlation = tuple[tuple[float, ...], ...]
@@ -109,9 +110,10 @@ def _has_three(given: Any) -> bool:
 
 
 def checked_nerves(content: Mapping[str, Any]) -> Distributions:
-    """Check the distributions of damping, delay and gains that a study gives."""
-    if "damping" in content:
-        known_keys("[damping]", content["damping"], JOINTS)
+    """Check the distributions of damping, delay, gains and noise that a study gives."""
+    for section in ("damping", "noise"):
+        if section in content:
+            known_keys(f"[{section}]", content[section], JOINTS)
     feedback = content.get("feedback", {})
     known_keys("[feedback]", feedback, ("delay", *KINDS))
     for kind in KINDS:
@@ -123,6 +125,11 @@ def checked_nerves(content: Mapping[str, Any]) -> Distributions:
         for row, value in given
         if value is not None
     )
+
+
+def is_noisy(nerves: Distributions) -> bool:
+    """Return whether anybody's torques are noisy."""
+    return not all(each.is_nothing for name, each in nerves if name in NOISES)
 
 
 def refuse_measured(distributions: Distributions) -> None:

@@ -19,6 +19,7 @@ from standfast.population.people.distributions import (
 )
 from standfast.population.people.keys import (
     LARGEST_SIZE,
+    checked_output,
     checked_population,
     selection,
     subpopulations_of,
@@ -31,6 +32,7 @@ from standfast.population.people.sections import (
     canonical_nerves,
     checked_nerves,
     checked_stiffness,
+    is_noisy,
     refuse_measured,
     without_choice,
 )
@@ -91,12 +93,9 @@ class PopulationStudy:
         springs = tuple(zip(STIFFNESSES, distributions.values(), strict=True))
         if "builtin" in content["population"]:
             refuse_measured(springs + nerves)
-        known_keys("[output]", content.get("output", {}), ("persons",))
-        kept = content.get("output", {}).get("persons", False)
-        if not isinstance(kept, bool):
-            raise InputError(f"output.persons = {kept!r} is not true or false")
+        output = checked_output(content.get("output", {}), noisy=is_noisy(nerves))
         population, files = checked_population(content["population"], Path(folder))
-        if kept and population["size"] > MOST_KEPT:
+        if output["persons"] and population["size"] > MOST_KEPT:
             raise InputError(
                 f"output.persons keeps at most {MOST_KEPT:,} persons, "
                 f"and population.size is {population['size']:,}"
@@ -109,7 +108,7 @@ class PopulationStudy:
                 "population": population,
                 "stiffness": {**stiffness, "correlation": [list(row) for row in correlation]},
                 **canonical_nerves(nerves),
-                "output": {"persons": kept},
+                "output": output,
             },
             files,
         )
@@ -129,12 +128,14 @@ class PopulationStudy:
     def _check(self) -> None:
         """Fail if a study that was read back is not such as is written."""
         whole_number("size", self.content["population"]["size"], 1, LARGEST_SIZE)
+        asked = checked_output(self.content["output"], noisy=is_noisy(self.nerves))
         for name in ("title", "gravity", "seed", "method", "keeps_persons", "fingerprint"):
             getattr(self, name)
         for name in ("distributions", "nerves", "correlation", "subpopulations", "shards"):
             getattr(self, name)
-        if self.content["stiffness"].keys() != {*JOINTS, "correlation"}:
-            raise InputError("the study has other joints")
+        of_joints = self.content["stiffness"].keys() == {*JOINTS, "correlation"}
+        if not of_joints or asked != self.content["output"]:
+            raise InputError("the study has other joints or answers")
 
     def __hash__(self) -> int:
         return hash((self.canonical, self.files))
@@ -204,9 +205,13 @@ class PopulationStudy:
 
     @cached_property
     def is_fed_back(self) -> bool:
-        """Whether anybody has a gain; damping and delay alone change no verdict of springs."""
-        gains = (each for name, each in self.nerves if name in GAINS)
-        return not all(each.is_nothing for each in gains)
+        """Whether anybody has a gain, or noise; without, damping and delay change nothing."""
+        return bool(self.sway or any(n in GAINS and not e.is_nothing for n, e in self.nerves))
+
+    @property
+    def sway(self) -> tuple[str, ...]:
+        """The quantities of sway that are asked; none without noise."""
+        return tuple(self.content["output"].get("quantities", ()))
 
     @property
     def measured(self) -> list[str]:

@@ -82,10 +82,26 @@ FED_BACK_ANSWERS = {
     "delay_borne": {"all": DELAYS, "sex": {str: DELAYS}, "age": {str: DELAYS}, str: {str: DELAYS}},
     "drivers": {"unstable": DRIVERS, "delay_margin": DRIVERS},
 }
+# Of who has a sway: how many they are of all whose sway was asked, and quantiles in SI.
+OF_SWAY = {"persons": int, "swaying": int, "quantiles": (None, {str: QUANTILE})}
+SWAY_ANSWERS = {
+    **FED_BACK_ANSWERS,
+    "sway": {
+        str: {
+            "unit": str,
+            "all": OF_SWAY,
+            "sex": {str: OF_SWAY},
+            "age": {str: OF_SWAY},
+            "sex_and_age": {str: OF_SWAY},
+        }
+    },
+}
 
 
 def answers_of(study: PopulationStudy) -> dict[str, Any]:
     """Return the pattern of the answers to a study."""
+    if study.sway:
+        return SWAY_ANSWERS
     return FED_BACK_ANSWERS if study.is_fed_back else ANSWERS
 
 

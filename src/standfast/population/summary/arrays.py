@@ -99,6 +99,8 @@ WITH_DELAY = Layout(
         **{f"delay_borne{end}": ("standing_share",) for end in ("", "_lower", "_upper")},
     },
 )
+# The shares of persons below which values of sway lie.
+SWAY_SHARES = np.round(np.linspace(0.005, 0.995, 199), 3)
 
 
 def layout_of(study: PopulationStudy) -> Layout:
@@ -106,7 +108,13 @@ def layout_of(study: PopulationStudy) -> Layout:
     if not study.is_fed_back:
         return OF_SPRINGS
     ages = np.arange(len(ages_of(study)), dtype=np.float64)
-    return replace(WITH_DELAY, axes={**WITH_DELAY.axes, "age": ages})
+    axes = {**WITH_DELAY.axes, "age": ages}
+    if not study.sway:
+        return replace(WITH_DELAY, axes=axes)
+    others = dict(WITH_DELAY.others)
+    for name in study.sway:
+        others |= {name: ("quantile",), f"{name}_by_sex_and_age": ("sex", "age", "quantile")}
+    return replace(WITH_DELAY, axes={**axes, "quantile": SWAY_SHARES}, others=others)
 
 
 def kept_type(name: str) -> np.dtype[Any]:
@@ -130,7 +138,9 @@ def arrays_of(study: PopulationStudy) -> dict[str, tuple[tuple[int, ...], np.dty
         shape = tuple(layout.axes[axis].size for axis in axes)
         found[name] = shape, np.dtype(np.int64 if name == "persons" else np.float64)
     if study.keeps_persons:
-        of_persons = {name: kept_type(name) for name in kept_of(study.nerves, study.is_fed_back)}
+        of_persons = {
+            name: kept_type(name) for name in kept_of(study.nerves, study.is_fed_back, study.sway)
+        }
         found |= {f"person_{name}": ((study.size,), dtype) for name, dtype in of_persons.items()}
         found |= {name: ((study.size,), dtype) for name, dtype in identity_of(study).items()}
     return found

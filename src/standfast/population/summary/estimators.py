@@ -127,7 +127,7 @@ class Distribution:
         """
         if self.same is not None:
             return Estimate(self.same, self.same, self.same)
-        value = self._at(share)
+        value = self.at(share)
         if len(self.counts) == 1 or not math.isfinite(value):
             first, last = _ranks(self.size, share)
         else:
@@ -135,8 +135,8 @@ class Distribution:
             around = over_replicates(np.array(shares))
             spread = around.high - around.value
             first, last = (share - spread) * self.size, (share + spread) * self.size
-        low = self._at(first / self.size) if first >= 1.0 else self.lowest
-        high = self._at(last / self.size) if last <= self.size else math.inf
+        low = self.at(first / self.size) if first >= 1.0 else self.lowest
+        high = self.at(last / self.size) if last <= self.size else math.inf
         return Estimate(value, self._from_atom(low, 0), self._from_atom(high, 1))
 
     def _from_atom(self, value: float, end: int) -> float:
@@ -155,7 +155,8 @@ class Distribution:
     def _shares(self) -> np.ndarray:
         return _cumulated(self.counts.sum(axis=0))
 
-    def _at(self, share: float) -> float:
+    def at(self, share: float) -> float:
+        """Return the value below which a share lies, as :meth:`quantile`."""
         shares = self._shares
         if share > shares[-1]:
             return math.inf

@@ -15,8 +15,8 @@ from standfast.population.summary.answers import answers_of, fits
 from standfast.population.summary.arrays import GROWTH, Layout, arrays_of, layout_of
 
 FORMAT = "standfast population"
-# Of springs alone, and with feedback, whose file holds other arrays.
-FORMAT_VERSION, FED_BACK_VERSION = 3, 4
+# Of springs alone, and with feedback and with noise, whose files hold other arrays.
+FORMAT_VERSION, FED_BACK_VERSION, SWAY_VERSION = 3, 4, 5
 ROUNDING = 1e-9  # by which a share may pass 0 or 1
 
 
@@ -80,10 +80,10 @@ def open_population(path: str | Path) -> Population:
         if get_text(file, "format") != FORMAT:
             raise InputError(f"{path} is HDF5, but not a population of standfast")
         number = file.attrs.get("format_version")
-        if number not in (FORMAT_VERSION, FED_BACK_VERSION):
+        if number not in (FORMAT_VERSION, FED_BACK_VERSION, SWAY_VERSION):
             raise InputError(
                 f"{path} has format version {number}; "
-                f"this standfast reads {FORMAT_VERSION} and {FED_BACK_VERSION}"
+                f"this standfast reads {FORMAT_VERSION}, {FED_BACK_VERSION} and {SWAY_VERSION}"
             )
         try:
             study = PopulationStudy.from_canonical(get_text(file, "study") or "")
@@ -106,6 +106,8 @@ def open_population(path: str | Path) -> Population:
 
 def version_of(study: PopulationStudy) -> int:
     """Return the format version of a study's file."""
+    if study.sway:
+        return SWAY_VERSION
     return FED_BACK_VERSION if study.is_fed_back else FORMAT_VERSION
 
 

@@ -34,6 +34,7 @@ from standfast.population.summary.estimators import (
     wilson,
 )
 from standfast.population.summary.strata import fractions_of_strata
+from standfast.population.summary.sway import SwayFound
 from standfast.study.canonical import json_value
 
 FEWEST_PEOPLE = 30  # fewer tell nothing of the population that they are a sample of
@@ -75,6 +76,7 @@ class Summary:
             )
             self.by_springs = np.array([each.by_springs for each in replicates])
             self.left_open = int(sum(each.left_open.sum() for each in replicates))
+            self.sway = SwayFound(study, cohort, replicates) if study.sway else None
             return
         edges = bin_edges()
         safety = np.array([each.safety_factor for each in replicates])
@@ -145,6 +147,7 @@ class Summary:
             "critical_delay": _quantiles(self.critical_delay()),
             "delay_margin": _quantiles(self.margin),
             "delay_borne": borne,
+            **({} if self.sway is None else {"sway": self.sway.to_dict()}),
             "single_joint_critical_stiffness": self._loads(persons),
         }
 
@@ -155,7 +158,7 @@ class Summary:
         return Distribution(bin_edges(), counts, same=self.same.get("critical_delay"))
 
     def _nerves(self) -> dict[str, Any]:
-        """Return the distributions of damping, delay and gains by parameter."""
+        """Return the distributions of damping, delay, gains and noise by parameter."""
         return {name: json_value(each.canonical()) for name, each in self.study.nerves}
 
     def _people(self, unstable: float, draws: float) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from standfast.population.summary.arrays import (
     GROWTH,
     OF_SPRINGS,
     STANDING_SHARES,
+    SWAY_SHARES,
     WITH_DELAY,
     ages_of,
     layout_of,
@@ -26,6 +27,8 @@ from standfast.population.summary.estimators import Distribution
 from standfast.population.summary.file import FORMAT, version_of
 from standfast.population.summary.keeping import flags
 from standfast.population.summary.summary import Summary
+from standfast.population.summary.sway import SwayFound
+from standfast.quantities import QUANTITIES
 from standfast.version import __version__
 
 # More than all arrays take together.
@@ -54,6 +57,8 @@ def write_summary(file: h5py.File, study: PopulationStudy, summary: Summary) -> 
     _write_risk_map(file, summary)
     if study.is_fed_back:
         _write_delays(file, summary)
+        if summary.sway is not None:
+            _write_sway(file, study, summary.sway)
         return
     _write_curves(file, summary)
     for joint in JOINTS:
@@ -78,6 +83,7 @@ def _write_axes(file: h5py.File, study: PopulationStudy) -> None:
         "delay": ("s", "delay of the feedback"),
         "sex": ("1", "sex"),
         "age": ("1", "age class, years"),
+        "quantile": ("1", "share of persons who sway and have less"),
     }
     for name, values in layout.axes.items():
         unit, meaning = labels[name]
@@ -130,6 +136,30 @@ def _write_delays(file: h5py.File, summary: Summary) -> None:
     _write_borne(file, "delay_borne", summary.critical_delay(), *what, "s", of_longer=True)
 
 
+def _write_sway(file: h5py.File, study: PopulationStudy, sway: SwayFound) -> None:
+    """Write quantiles of each quantity of sway, of all and by sex and age."""
+    ages = ages_of(study)
+    for name in study.sway:
+        row = QUANTITIES[name]
+        details = f"quantiles of the {row.meaning.partition(', ')[0]}, of who stands and is damped"
+        short, everybody = name.replace("_", " "), _quantiles(sway.distribution(name))
+        _array(file, name, everybody, short, details, row.unit, axes=("quantile",))
+        by_both = np.full((len(SEXES), len(ages), SWAY_SHARES.size), np.nan)
+        for sex, age in sway.strata:
+            found = _quantiles(sway.distribution(name, sex, age))
+            by_both[SEXES.index(sex), ages.index(age)] = found
+        axes = ("sex", "age", "quantile")
+        details += "; NaN where nobody is"
+        _array(file, f"{name}_by_sex_and_age", by_both, short, details, row.unit, axes=axes)
+
+
+def _quantiles(of: Distribution) -> np.ndarray:
+    """Return the quantiles at SWAY_SHARES; NaN of nobody."""
+    if not of.size:
+        return np.full(SWAY_SHARES.size, np.nan)
+    return np.array([of.at(share) for share in SWAY_SHARES])
+
+
 def _write_borne(
     file: h5py.File,
     name: str,
@@ -149,11 +179,18 @@ def _write_borne(
 
 
 def _array(
-    file: h5py.File, name: str, values: np.ndarray, short: str, details: str, unit: str = "1"
+    file: h5py.File,
+    name: str,
+    values: np.ndarray,
+    short: str,
+    details: str,
+    unit: str = "1",
+    *,
+    axes: tuple[str, ...] = (),
 ) -> None:
     """Write an array; the long name is short enough for readers that cut it, details follow."""
     dataset = file.create_dataset(name, data=values)
     set_attributes(dataset, {"units": unit, "long_name": short, "comment": details})
-    axes = OF_SPRINGS.arrays.get(name) or WITH_DELAY.arrays[name]
+    axes = axes or OF_SPRINGS.arrays.get(name) or WITH_DELAY.arrays[name]
     for number, axis in enumerate(axes):
         dataset.dims[number].attach_scale(file[axis])

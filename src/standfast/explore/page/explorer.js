@@ -107,7 +107,7 @@ export class Explorer {
     const began = this.#inputAt;
     this.#inputAt = 0;
     const { state } = this;
-    const { map, controls, elements } = this.#parts;
+    const { map, controls, elements, planes } = this.#parts;
     const resting = performance.now() - this.#changedAt >= REST - 10;
     const { x, y, window, sample } = (!resting && this.#early) || this.#sampled(resting);
     this.#early = null;

@@ -28,6 +28,14 @@ def inertia_matrix(body: Body) -> Array:
     ------
     InputError
         if it is not the body of one person.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> sf.inertia_matrix(sf.Body.edwards2007()).round(2)
+    array([[87.17, 55.19, 25.39],
+           [55.19, 36.11, 17.46],
+           [25.39, 17.46,  9.56]])
     """
     checked_body(body)
     return stacked(joint_inertia(body))
@@ -48,6 +56,16 @@ def stiffness_matrix(body: Body, stiffness: Stiffness, gravity: Scalar = STANDAR
     ------
     InputError
         if gravity is out of range.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.from_height_mass(1.66, 68.0)
+    >>> K = sf.Stiffness(ankle=900, knee=1500, hip=400)
+    >>> sf.stiffness_matrix(body, K).round(1)
+    array([[ 296.6, -349.9, -135.3],
+           [-349.9, 1150.1, -135.3],
+           [-135.3, -135.3,  264.7]])
     """
     checked_person(body, stiffness, gravity)
     return stacked(stiffness_rows(body, stiffness, gravity))

@@ -19,6 +19,15 @@ class Person(NamedTuple):
 
     ``given`` holds all parameters by name, those that a study leaves out as plain numbers; of
     ``stiffness`` a joint on which a quantity does not depend is None.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> def weight(person):
+    ...     return person.gravity * person.body.segment_mass.sum()
+    >>> person = sf.Person(sf.Body.edwards2007(), sf.Stiffness(950, 2000, 738), 9.81, {})
+    >>> print(f"{weight(person):.1f} N")
+    717.9 N
     """
 
     body: Body

@@ -197,6 +197,14 @@ def verdict_is_certain(
     """Return whether the verdict is proven to be that of exact arithmetic.
 
     The bounds are those of :func:`load_rounding`, joint by joint from the hip down.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.from_height_mass(1.66, 68.0)
+    >>> K = sf.Stiffness(ankle=900.0, knee=1500.0, hip=400.0)
+    >>> sf.verdict_is_certain(body, K)
+    True
     """
     checked_person(body, stiffness, gravity)
     if is_traced(*body, *stiffness, gravity):

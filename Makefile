@@ -4,6 +4,7 @@
 #   make population Monte Carlos of US adults into results/us-adults/ and results/us-adults-feedback/
 #   make test       set up, then run the tests
 #   make check      format, lint, types, tests
+#   make docs       the documentation into docs/_build/html (about two minutes)
 #   make bench      every benchmark, and results/benchmarks/README.md (about twenty minutes)
 #   make reproduce  the 2007 paper, number by number
 PYTHON ?= python3
@@ -11,7 +12,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PAGE := $(wildcard src/standfast/explore/page/*.js)
 
-.PHONY: atlas feedback population test check bench reproduce format clean
+.PHONY: atlas feedback population test check docs bench reproduce format clean
 .DELETE_ON_ERROR:
 
 atlas: $(VENV)/run.stamp
@@ -49,8 +50,13 @@ check: $(VENV)/check.stamp
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+	$(BIN)/codespell
 	$(if $(PAGE),$(BIN)/biome ci --error-on-warnings $(PAGE))
 	$(MAKE) test
+
+docs: $(VENV)/docs.stamp
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going --fresh-env --quiet \
+	  -b html -d docs/_build/doctrees docs docs/_build/html
 
 bench: $(VENV)/bench.stamp
 	@for script in verdicts storing peers feedback population workers growth startup tricks cost report; do \
@@ -63,6 +69,10 @@ format: $(VENV)/check.stamp
 
 $(VENV)/bench.stamp: $(VENV)/test.stamp
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test,bench]'
+	@touch $@
+
+$(VENV)/docs.stamp: $(VENV)/run.stamp
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[docs]'
 	@touch $@
 
 clean:

@@ -110,7 +110,7 @@ def locus_of(
     axes
         three axes to draw into (default: those of a new figure of pyplot).
     at
-        values of axes by name, as of :func:`curves_of`.
+        values of axes by name, as of :func:`standfast.plot.curves`.
 
     Returns
     -------

@@ -62,8 +62,7 @@ def limits(
 
     A curve is drawn for each value of one axis: the delay, the knee's stiffness, the body model, or
     ``overlay``. The person stands in what is shaded, darker with more of the curves. With springs
-    alone the limit is exact; with feedback it lies as near as the atlas shows
-    (:mod:`standfast.thresholds.regions`).
+    alone the limit is exact; with feedback it lies as near as the atlas shows.
 
     Parameters
     ----------

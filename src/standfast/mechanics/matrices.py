@@ -18,7 +18,9 @@ from standfast.parameters import STANDARD_GRAVITY
 def inertia_matrix(body: Body) -> Array:
     """Return the inertia matrix A of the linearised equations A q̈ + C q = 0.
 
-    A = Tᵀ M T, with M of :func:`segment_inertia`.
+    A = Tᵀ M T, T = [[1, 0, 0], [1, 1, 0], [1, 1, 1]], and in segment angles
+    M = [[Is + ms es² + (mt + mb) hs², (mt et + mb ht) hs, mb hs eb],
+    [·, It + mt et² + mb ht², mb ht eb], [·, ·, Ib + mb eb²]].
 
     Returns
     -------
@@ -46,7 +48,8 @@ def stiffness_matrix(body: Body, stiffness: Stiffness, gravity: Scalar = STANDAR
 
     C = K − [[G1, G2, G3], [G2, G2, G3], [G3, G3, G3]]
     with K = [[Ka, Kak, Kah], [Kak, Kk, Kkh], [Kah, Kkh, Kh]] and
-    G1 = γs + γt + γb, G2 = γt + γb, G3 = γb of :func:`gravity_loads`.
+    G1 = γs + γt + γb, G2 = γt + γb, G3 = γb, where
+    γs = g (ms es + (mt + mb) hs), γt = g (mt et + mb ht), γb = g mb eb.
 
     Returns
     -------

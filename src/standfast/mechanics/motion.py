@@ -100,7 +100,7 @@ def joint_moments(
 ) -> Array:
     """Return the outer moments that a motion needs: the full nonlinear equations of motion.
 
-    In segment angles, with M of :func:`segment_inertia` and moments taken back by Tᵀ:
+    In segment angles, with M as of :func:`.inertia_matrix` and moments taken back by Tᵀ:
     Tᵀ [ Σj Mij cos(φi − φj) φ̈j + Σj Mij sin(φi − φj) φ̇j² − γi sin φi ] + K q = moments.
     Linearised about upright this is A q̈ + C q.
 

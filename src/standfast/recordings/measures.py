@@ -64,10 +64,10 @@ class SwayMeasures(NamedTuple):
     mean_velocity : m/s
         path / T (Prieto: MVELO).
     mean_velocity_ap, mean_velocity_ml : m/s
-        Σ |Δx| / T of each direction.
+        Σ abs(Δx) / T of each direction.
     mean_frequency : Hz
         ∫ f (P_x + P_y) df / ∫ (P_x + P_y) df by trapezoids over all frequencies up to half the
-        rate, of :func:`cop_spectrum`. That of Prieto (MFREQ) is another: velocity / (2π distance).
+        rate, of Welch's spectrum. That of Prieto (MFREQ) is another: velocity / (2π distance).
     median_frequency : Hz
         below it lies half of ∫ (P_x + P_y) df (Prieto, from 0.15 to 5 Hz: 50 % power frequency).
     """

@@ -196,7 +196,8 @@ def verdict_is_certain(
 ) -> bool:
     """Return whether the verdict is proven to be that of exact arithmetic.
 
-    The bounds are those of :func:`load_rounding`, joint by joint from the hip down.
+    From the hip down each joint must differ from its load by more than a bound of the load's
+    rounding.
 
     Examples
     --------

@@ -110,7 +110,7 @@ def critical_stiffness(
     ankle: L1.  knee: L2 / (1 − L2/S1), S1 = Ka − γs.  hip: γb / (1 − γb/S2),
     S2 = 1 / (1/S1 + 1/Kk) − γt.  The same recursion, read upwards for knee and hip.
 
-    Of coupled joints it is L1 of :func:`eliminated` with the joint in the first place.
+    Of coupled joints it is L1 of ``eliminated`` with the joint in the first place.
 
     Returns
     -------

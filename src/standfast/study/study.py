@@ -50,7 +50,7 @@ def study_given(kind: Any, given: Any, words: str) -> Any:
 
 @dataclass(frozen=True)
 class Study:
-    """A checked study; make one with :meth:`from_toml` or :meth:`from_dict`.
+    """A checked study; make one with :meth:`.Study.from_toml` or :meth:`.Study.from_dict`.
 
     Attributes
     ----------

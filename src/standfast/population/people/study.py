@@ -40,7 +40,7 @@ BLOCKS_PER_SHARD, BLOCKS_PER_SHARD_KEPT = 64, 2
 
 @dataclass(frozen=True)
 class PopulationStudy:
-    """A checked study of a population; make one with :meth:`from_toml` or :meth:`from_dict`.
+    """A checked study of a population; see :meth:`.PopulationStudy.from_dict`.
 
     ``content`` is its canonical form, ``files`` where its people are.
     """

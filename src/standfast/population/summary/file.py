@@ -22,7 +22,7 @@ ROUNDING = 1e-9  # by which a share may pass 0 or 1
 
 @dataclass(frozen=True)
 class Population:
-    """A simulated population; made by :func:`open_population`."""
+    """A simulated population; made by :func:`.open_population`."""
 
     path: Path
     study: PopulationStudy

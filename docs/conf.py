@@ -1,0 +1,134 @@
+"""The documentation: ``make docs`` builds it into ``docs/_build/html``, without a network."""
+
+import os
+import sys
+from pathlib import Path
+
+from sphinx.application import Sphinx
+
+import standfast as sf
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE / "_ext"))
+# What notebooks and commands of the pages start is the command of this environment.
+os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
+os.environ["COLUMNS"] = "80"
+# Kernels of notebooks have settings of their own, not those of whoever builds.
+SETTINGS = HERE / "_build" / "ipython"
+SETTINGS.joinpath("profile_default").mkdir(parents=True, exist_ok=True)
+SETTINGS.joinpath("profile_default", "ipython_kernel_config.py").write_text(
+    "c.IPKernelApp.log_level = 40\n"  # that it listens on this machine alone goes without saying
+)
+os.environ["IPYTHONDIR"] = str(SETTINGS)
+
+project = "standfast"
+author = "the authors of standfast"
+project_copyright = author
+version = release = sf.__version__
+
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "numpydoc",
+    "sphinx_copybutton",
+    "sphinx_design",
+    "sphinx_gallery.gen_gallery",
+    "cells",
+    "command_help",
+    "explorer_page",
+    "mathml",
+    "outside",
+    "site_check",
+    "tables",
+]
+exclude_patterns = ["_build", "gallery_source", "gallery/*.ipynb", "gallery/*.py"]
+nitpicky = True
+# What other projects document is on other hosts; the site is built and read without a network.
+OTHERS = "numpy|np|jax|xarray|matplotlib|collections|concurrent|pathlib|typing|os"
+BUILT_IN = "array_like|bool|callable|complex|dict|float|int|list|mapping|object|str|tuple|None"
+nitpick_ignore_regex = [("py:.*", rf"({OTHERS})\..*"), ("py:.*", rf"({BUILT_IN}|\w+Error)")]
+# Types in annotations that no user makes; what they are is said where they are given.
+nitpick_ignore = [
+    ("py:class", name)
+    for name in (
+        "GivenStudy",
+        "Path",
+        "h5py._hl.files.File",
+        "standfast.mechanics.law.Gains",
+        "standfast.mechanics.law.Outcome",
+        "standfast.mechanics.links.OneLink",
+        "standfast.mechanics.links.TwoLinks",
+        "standfast.population.people.builtin.Subpopulation",
+        "standfast.population.people.distributions.ParameterDistribution",
+        "standfast.population.people.records.Rejection",
+        "standfast.run.options.RunOptions",
+        "standfast.study.grid.Grid",
+        "standfast.study.grid.Group",
+    )
+]
+copybutton_prompt_text = r"\$ |>>> |\.\.\. "
+copybutton_prompt_is_regexp = True
+
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 3
+myst_update_mathjax = False
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_in_temp = True
+nb_execution_timeout = 120
+nb_merge_streams = True
+
+autosummary_generate = True
+autodoc_typehints_format = "short"
+autodoc_member_order = "bysource"
+python_maximum_signature_line_length = 72
+numpydoc_show_class_members = False
+
+html_math_renderer = "mathml"
+
+sphinx_gallery_conf = {
+    "examples_dirs": "gallery_source",
+    "gallery_dirs": "gallery",
+    "filename_pattern": r"/draw_",
+    "ignore_pattern": r"/_",
+    "download_all_examples": False,
+    "remove_config_comments": True,
+    "show_memory": False,
+    "show_signature": False,
+    "min_reported_time": 1e9,
+    "write_computation_times": False,
+    "within_subsection_order": "FileNameSortKey",
+    "abort_on_example_error": True,
+    "copyfile_regex": r".*\.toml",
+}
+
+html_theme = "pydata_sphinx_theme"
+html_title = f"standfast {release}"
+templates_path = ["_templates"]
+html_static_path = ["_static"]
+html_css_files = ["standfast.css"]
+html_show_sourcelink = False
+html_copy_source = False
+html_theme_options = {
+    "show_prev_next": True,
+    "show_toc_level": 2,
+    "navigation_with_keys": False,
+    "navbar_align": "left",
+    "secondary_sidebar_items": ["page-toc"],
+    "footer_start": ["copyright"],
+    "footer_end": ["sphinx-version"],
+    "pygments_light_style": "a11y-high-contrast-light",
+    "pygments_dark_style": "a11y-high-contrast-dark",
+}
+html_sidebars = {"index": [], "live": []}
+
+
+def skip(app: Sphinx, what: str, name: str, each: object, skipped: bool, options: object) -> bool:
+    """Leave out the fields of named tuples, which the class itself explains."""
+    return skipped or type(each).__name__ == "_tuplegetter"
+
+
+def setup(app: Sphinx) -> None:
+    """Let the reference leave out what explains nothing."""
+    app.connect("autodoc-skip-member", skip)

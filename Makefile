@@ -55,7 +55,8 @@ check: $(VENV)/check.stamp
 	$(MAKE) test
 
 docs: $(VENV)/docs.stamp
-	$(BIN)/python -m sphinx --fail-on-warning --keep-going --fresh-env --quiet \
+	rm -rf docs/_build docs/copied docs/gallery docs/reference/generated
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet \
 	  -b html -d docs/_build/doctrees docs docs/_build/html
 
 bench: $(VENV)/bench.stamp

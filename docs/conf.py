@@ -19,6 +19,10 @@ SETTINGS.joinpath("profile_default").mkdir(parents=True, exist_ok=True)
 SETTINGS.joinpath("profile_default", "ipython_kernel_config.py").write_text(
     "c.IPKernelApp.log_level = 40\n"  # that it listens on this machine alone goes without saying
 )
+SETTINGS.joinpath("profile_default", "startup").mkdir(exist_ok=True)
+SETTINGS.joinpath("profile_default", "startup", "commands.py").write_text(
+    (HERE / "_ext" / "kernel_commands.py").read_text("utf-8"), "utf-8"
+)
 os.environ["IPYTHONDIR"] = str(SETTINGS)
 
 project = "standfast"
@@ -80,7 +84,7 @@ nb_execution_timeout = 120
 nb_merge_streams = True
 
 autosummary_generate = True
-autodoc_typehints_format = "short"
+autodoc_typehints = "none"  # what arguments are, their descriptions say
 autodoc_member_order = "bysource"
 python_maximum_signature_line_length = 72
 numpydoc_show_class_members = False
@@ -100,7 +104,8 @@ sphinx_gallery_conf = {
     "write_computation_times": False,
     "within_subsection_order": "FileNameSortKey",
     "abort_on_example_error": True,
-    "copyfile_regex": r".*\.toml",
+    "reset_modules": ("matplotlib", "gallery_files.remove"),
+    "reset_modules_order": "both",
 }
 
 html_theme = "pydata_sphinx_theme"
@@ -121,7 +126,7 @@ html_theme_options = {
     "pygments_light_style": "a11y-high-contrast-light",
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
-html_sidebars = {"index": [], "live": []}
+html_sidebars = {"index": [], "live": [], "tutorial": []}
 
 
 def skip(app: Sphinx, what: str, name: str, each: object, skipped: bool, options: object) -> bool:

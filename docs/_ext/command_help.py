@@ -13,7 +13,7 @@ WIDTH = 88
 
 def commands(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:
     """Return the parsers of the commands by name."""
-    (found,) = (each for each in parser._actions if isinstance(each.choices, dict))
+    (found,) = (each for each in parser._actions if isinstance(each.choices, dict))  # noqa: SLF001 - argparse has no other way
     return dict(found.choices)
 
 

@@ -45,10 +45,14 @@ def broken_links(site: Path) -> list[str]:
             target = target / "index.html" if target.is_dir() else target
             if not target.exists():
                 found.append(f"{path.relative_to(site)} links to {link}, which is not there")
-            elif parts.fragment and target in pages:
-                if unquote(parts.fragment) not in pages[target].anchors:
-                    found.append(f"{path.relative_to(site)} links to {link}: no such anchor")
+            elif parts.fragment and unquote(parts.fragment) not in anchors(pages, target):
+                found.append(f"{path.relative_to(site)} links to {link}: no such anchor")
     return found
+
+
+def anchors(pages: dict[Path, Page], target: Path) -> set[str]:
+    """Return the anchors of a page that a link may name; of what is no page, none."""
+    return pages[target].anchors if target in pages else set()
 
 
 def check(app: Sphinx, error: Exception | None) -> None:

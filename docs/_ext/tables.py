@@ -39,9 +39,7 @@ def range_of(row: Parameter) -> str:
 
 def default_of(row: Parameter) -> str:
     """Write what holds where a study says nothing."""
-    if row.default is None:
-        return "none"
-    return f"`{row.default}`" if isinstance(row.default, str) else number(row.default)
+    return f"`{row.default}`" if isinstance(row.default, str) else number(row.default or 0.0)
 
 
 def unit_of(unit: str) -> str:
@@ -51,14 +49,15 @@ def unit_of(unit: str) -> str:
 
 def parameters(section: str) -> Iterable[tuple[str, ...]]:
     """List the parameters of a section of a study."""
-    yield "key", "name", "symbol", "unit", "range", "default", "meaning"
+    yield "key", "name", "symbol, unit", "range, default", "meaning"
     for row in PARAMETERS.values():
         if row.section == section:
             symbol = f"${row.symbol}$" if row.symbol else ""
-            yield (
-                f"`{row.key}`", f"`{row.name}`", symbol, unit_of(row.unit), range_of(row),
-                default_of(row), row.meaning,
-            )  # fmt: skip
+            measured = ", ".join(filter(None, (symbol, unit_of(row.unit))))
+            allowed = (
+                f"{range_of(row)}; {default_of(row)}" if row.default is not None else range_of(row)
+            )
+            yield f"`{row.key}`", f"`{row.name}`", measured, allowed, row.meaning
 
 
 def quantities(kind: str) -> Iterable[tuple[str, ...]]:

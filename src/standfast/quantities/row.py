@@ -69,7 +69,7 @@ class Quantity:
     the sections of parameters, on which it does not depend; ``flags`` the meanings of 0, 1 and so
     on of a quantity of whole numbers.
 
-    ``fed_back`` answers it for persons with delayed feedback (``stability.delay.answers.FedBack``), in
+    ``fed_back`` answers it for persons with delayed feedback (``FedBack``), in
     studies that have gains; a quantity without ``reference`` is found that way in every study.
     ``of_one_joint`` finds it in closed form where two joints are rigid throughout a study. ``own``
     is one that a user added. ``limit`` is its value at the limit of standing, if there is such a

@@ -8,7 +8,7 @@ from sphinx.util.docutils import SphinxDirective
 
 from standfast.cli.app import _parser as parser_of_commands
 
-WIDTH = 88
+WIDTH = 78
 
 
 def commands(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentParser]:

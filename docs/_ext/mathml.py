@@ -1,9 +1,9 @@
 """Equations as MathML, which browsers draw themselves: no script, nothing of another host.
 
-MathJax would be megabytes of script and fonts to keep beside the pages. docutils converts. A browser
-needs a font with a table of mathematics, without which indices stand beside the line; not every
-system has one, so the pages bring STIX Two Math (Open Font License; out of the package ziamath),
-less what is not needed, 0.5 MB.
+MathJax would be megabytes of script and fonts to keep beside the pages. docutils converts. A
+browser needs a font with a table of mathematics, without which indices stand beside the line; not
+every system has one, so the pages bring STIX Two Math (Open Font License; out of the package
+ziamath), less what is not needed, 0.5 MB.
 """
 
 from importlib.resources import as_file, files
@@ -16,7 +16,6 @@ from fontTools import subset
 from sphinx.application import Sphinx
 from sphinx.util import logging
 from sphinx.writers.html5 import HTML5Translator
-
 
 FONT = "stix-two-math.woff"
 # Latin, Greek, marks above letters, punctuation and arrows, operators, letters of mathematics.

@@ -2,8 +2,8 @@
 Limits of standing
 ==================
 
-Above and right of the curve of their knee a person stands. One study, one line to draw it; one's own
-subject is marked.
+Above and right of the curve of their knee a person stands. One study, one line to draw it;
+one's own subject is marked.
 """
 
 import standfast as sf

@@ -2,8 +2,8 @@
 A margin as a map
 =================
 
-How much is to spare: the factor by which all stiffnesses could be divided. Where it is below 1 the
-person falls, and the map is hatched.
+How much is to spare: the factor by which all stiffnesses could be divided. Where it is below 1
+the person falls, and the map is hatched.
 """
 
 import standfast as sf

@@ -2,8 +2,8 @@
 Body size and ankles
 ====================
 
-The ankle's threshold along the height, a curve for each body mass index: the taller and the heavier,
-the stiffer an ankle must be.
+The ankle's threshold along the height, a curve for each body mass index: the taller and the
+heavier, the stiffer an ankle must be.
 """
 
 import standfast as sf

@@ -2,8 +2,8 @@
 One person by four body models
 ==============================
 
-Tables of segments differ, and so do the limits. The body model is an axis like any other; ``overlay``
-makes its values curves.
+Tables of segments differ, and so do the limits. The body model is an axis like any other;
+``overlay`` makes its values curves.
 """
 
 import standfast as sf

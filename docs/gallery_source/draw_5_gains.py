@@ -2,8 +2,8 @@
 Gains with which a person stands
 ================================
 
-One link with the passive stiffness of a calf, and feedback of the ankle that comes late: a region for
-each delay. Too little gain does not hold, too much drives an oscillation.
+One link with the passive stiffness of a calf, and feedback of the ankle that comes late: a
+region for each delay. Too little gain does not hold, too much drives an oscillation.
 """
 
 import standfast as sf

@@ -2,8 +2,8 @@
 Spectrum of sway
 ================
 
-What white noise of the torques makes of a person who stands by a published law of feedback: spectra of
-the centre of pressure and of the centre of mass.
+What white noise of the torques makes of a person who stands by a published law of feedback:
+spectra of the centre of pressure and of the centre of mass.
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,8 @@
 Who of a population would fall
 ==============================
 
-US adults whose ankles do not grow stiffer with the weight they carry: the fraction unstable over height
-and body mass index.
+US adults whose ankles do not grow stiffer with the weight they carry: the fraction unstable
+over height and body mass index.
 """
 
 import standfast as sf

@@ -2,8 +2,8 @@
 What drives the risk
 ====================
 
-Sobol indices of the safety factor with their 95 % intervals: the share of its variance that each
-cause explains, alone and with all others.
+Sobol indices of the safety factor with their 95 % intervals: the share of its variance that
+each cause explains, alone and with all others.
 """
 
 import standfast as sf

@@ -7,12 +7,16 @@
 #   make docs       the documentation into docs/_build/html (about two minutes)
 #   make bench      every benchmark, and results/benchmarks/README.md (about twenty minutes)
 #   make reproduce  the 2007 paper, number by number
+#   make check-all  make check on every Python from 3.11 on that is at hand
+#   make man        the man page, into build/
+#   make dist       wheel and archive of the source into dist/, looked over
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+PYTHONS := 3.11 3.12 3.13 3.14
 PAGE := $(wildcard src/standfast/explore/page/*.js)
 
-.PHONY: atlas feedback population test check docs bench reproduce format clean
+.PHONY: atlas feedback population test check docs bench reproduce check-all man dist format clean
 .DELETE_ON_ERROR:
 
 atlas: $(VENV)/run.stamp
@@ -58,6 +62,36 @@ docs: $(VENV)/docs.stamp
 	rm -rf docs/_build docs/copied docs/gallery docs/reference/generated
 	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet \
 	  -b html -d docs/_build/doctrees docs docs/_build/html
+
+# Each Python has an environment of its own, which is kept; what is not at hand is said.
+check-all:
+	@for version in $(PYTHONS); do \
+	  if python$$version -c '' 2>/dev/null; then \
+	    $(MAKE) check PYTHON=python$$version VENV=.venv/$$version || exit 1; ran="$$ran $$version"; \
+	  else missing="$$missing $$version"; fi; done; \
+	echo "checked on Python:$${ran:- none}; not at hand:$${missing:- none}"
+
+man: $(VENV)/test.stamp
+	mkdir -p build
+	$(BIN)/argparse-manpage --module standfast.cli.app --function build_parser \
+	  --project-name standfast --manual-title standfast --output build/standfast.1 \
+	  --version "$$($(BIN)/python -c 'import standfast; print(standfast.__version__)')" \
+	  --description "how stiff must ankle, knee and hip be for a person to stand"
+
+# The wheel is built out of the archive and installed apart from the checkout; the archive's tests
+# are collected.
+dist: man
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test,release]'
+	rm -rf dist
+	$(BIN)/python -m build --outdir dist
+	$(BIN)/twine check --strict dist/*
+	$(BIN)/check-wheel-contents dist/*.whl
+	rm -rf build/try && mkdir -p build/try
+	tar -xzf dist/*.tar.gz -C build/try --strip-components=1
+	cd build/try && PYTHONPATH=src ../../$(BIN)/python -m pytest --collect-only -qq >/dev/null
+	$(BIN)/python -m venv build/try/.venv
+	build/try/.venv/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt dist/*.whl
+	build/try/.venv/bin/standfast cite
 
 bench: $(VENV)/bench.stamp
 	@for script in verdicts storing peers feedback population workers growth startup tricks cost report; do \

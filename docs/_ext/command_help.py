@@ -6,7 +6,7 @@ from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-from standfast.cli.app import _parser as parser_of_commands
+from standfast.cli.app import build_parser
 
 WIDTH = 78
 
@@ -30,7 +30,7 @@ class CommandHelp(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """Print the help of all."""
-        parser = parser_of_commands()
+        parser = build_parser()
         found: list[nodes.Node] = [help_of(parser)]
         for name, command in commands(parser).items():
             section = nodes.section(ids=[f"standfast-{name}"], names=[name])

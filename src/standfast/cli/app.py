@@ -10,6 +10,8 @@ from typing import Any, NoReturn
 
 from standfast.cli import (
     assess,
+    cite,
+    completion,
     explore,
     info,
     laws,
@@ -33,7 +35,7 @@ DONE, FAILED, WRONG_INPUT = 0, 1, 2
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code: 0 done, 1 failed, 2 wrong input."""
-    return _exit_code(_parser().parse_args(arguments))
+    return _exit_code(build_parser().parse_args(arguments))
 
 
 def run() -> None:
@@ -42,7 +44,7 @@ def run() -> None:
         if isinstance(stream, io.TextIOWrapper):  # a console without Greek letters shows "?"
             stream.reconfigure(errors="replace")
     os.environ["MPLBACKEND"] = "agg"  # figures go to files, whatever the user's screen
-    options = _parser().parse_args()
+    options = build_parser().parse_args()
     # workers of their own processes would read what others are writing
     alone = not any(vars(options).get(name) for name in ("executor", "workers", "scheduler"))
     kept = options.compiles and alone
@@ -86,7 +88,8 @@ class _Parser(argparse.ArgumentParser):
         super().error(visible(message))
 
 
-def _parser() -> argparse.ArgumentParser:
+def build_parser() -> argparse.ArgumentParser:
+    """Return the parser of all commands, of which completion and man page are made too."""
     parser = _Parser(
         prog="standfast",
         description="How stiff must ankle, knee and hip be for a person to stand?",
@@ -107,8 +110,10 @@ def _parser() -> argparse.ArgumentParser:
         laws,
         info,
         reproduce,
+        cite,
     ):
         command.add(commands)
+    completion.add(commands, parser)
     return parser
 
 

@@ -1,0 +1,78 @@
+"""``standfast cite``: the paper and the software as BibTeX, out of ``CITATION.cff``."""
+
+import argparse
+from collections.abc import Iterator
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any
+
+from standfast.cli.parsing import add_command
+from standfast.version import __version__
+
+TO_TEX = str.maketrans({letter: f"\\{letter}" for letter in "&%$#_{}"})
+
+
+def add(commands: Any) -> None:
+    """Declare the command."""
+    add_command(
+        commands,
+        _cite,
+        "what to cite, as BibTeX: the paper for the model, standfast for the computation",
+        "cite >> references.bib",
+    )
+
+
+def _cite(_: argparse.Namespace) -> None:
+    import yaml
+
+    content = yaml.safe_load(citation_file().read_text("utf-8"))
+    print("\n\n".join(_entry(*each) for each in _works(content)))
+
+
+def citation_file() -> Traversable | Path:
+    """Return the one file: a wheel has it inside the package, a checkout at its root."""
+    inside = files("standfast") / "CITATION.cff"
+    return inside if inside.is_file() else Path(__file__).parents[3] / "CITATION.cff"
+
+
+def _works(content: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield what is cited, each with its key: the software, its own paper, the model's."""
+    yield "standfast", {**content, "version": __version__}
+    if "preferred-citation" in content:
+        yield "standfast-paper", content["preferred-citation"]
+    for work in content["references"]:
+        yield f"{work['authors'][0]['family-names']}{work['year']}".lower(), work
+
+
+def _entry(key: str, work: dict[str, Any]) -> str:
+    """Return one entry of BibTeX; what a work does not have is left out."""
+    article = work["type"] == "article"
+    pages = f"{work['start']}--{work['end']}" if "start" in work else None
+    software = None if article else f"Software, version {work['version']}"
+    date = str(work.get("date-released", work.get("year", "")))
+    fields = {
+        "author": " and ".join(map(_author, work["authors"])),
+        "title": f"{{{_tex(work['title'])}}}",
+        "journal": _tex(work.get("journal")),
+        "volume": _tex(work.get("volume")),
+        "number": _tex(work.get("issue")),
+        "pages": pages,
+        "year": date[:4],
+        "howpublished": software,
+        "url": work.get("url", work.get("repository-code")),
+        "doi": work.get("doi"),
+    }
+    lines = [f"  {name} = {{{value}}}" for name, value in fields.items() if value]
+    return "@{}{{{},\n{}\n}}".format("article" if article else "misc", key, ",\n".join(lines))
+
+
+def _author(author: dict[str, str]) -> str:
+    """Return a person as ``Family, Given``; a group is kept together by braces."""
+    if "name" in author:
+        return f"{{{_tex(author['name'])}}}"
+    return f"{_tex(author['family-names'])}, {_tex(author['given-names'])}"
+
+
+def _tex(value: Any) -> str:
+    return "" if value is None else str(value).translate(TO_TEX)

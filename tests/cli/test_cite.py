@@ -1,0 +1,70 @@
+"""``standfast cite``: BibTeX that LaTeX understands, and that says what CITATION.cff says."""
+
+from importlib.resources import files
+from pathlib import Path
+
+import pybtex.database
+import pytest
+import yaml
+
+import standfast
+from standfast.cli import cite
+from standfast.cli.app import main
+
+FILE = Path(__file__).parents[2] / "CITATION.cff"
+
+
+def entries(capsys):
+    assert main(["cite"]) == 0
+    return pybtex.database.parse_string(capsys.readouterr().out, "bibtex").entries
+
+
+def test_paper_and_software_are_those_of_the_file(capsys):
+    found = entries(capsys)
+    assert list(found) == ["standfast", "edwards2007"]
+    software, paper = found.values()
+    content = yaml.safe_load(FILE.read_text("utf-8"))
+    assert standfast.__version__ in software.fields["howpublished"]
+    assert software.fields["title"] == f"{{{content['title']}}}"
+    (author,) = software.persons["author"]
+    assert str(author) == f"{{{content['authors'][0]['name']}}}"
+    (work,) = content["references"]
+    assert paper.type == "article"
+    assert paper.fields["journal"] == r"Gait \& Posture"
+    assert paper.fields["pages"] == "432--439"
+    assert paper.fields["doi"] == work["doi"]
+    assert int(paper.fields["year"]) == work["year"]
+    (author,) = paper.persons["author"]
+    assert (author.last_names, author.first_names) == (["Edwards"], ["W."])
+
+
+def test_a_paper_of_the_software_and_its_release_come_too(capsys, tmp_path, monkeypatch):
+    """What owners will add: authors, a date, an address, a DOI, the journal's paper."""
+    content = yaml.safe_load(FILE.read_text("utf-8"))
+    content |= {
+        "authors": [{"family-names": "Doe", "given-names": "A. & B."}, {"name": "The others"}],
+        "date-released": "2027-02-03",
+        "repository-code": "https://example.org/a_b",
+        "doi": "10.5281/zenodo.1",
+        "preferred-citation": {
+            "type": "article", "title": "100 % of it", "year": 2027, "journal": "JOSS",
+            "authors": content["authors"],
+        },
+    }  # fmt: skip
+    path = tmp_path / "CITATION.cff"
+    path.write_text(yaml.safe_dump(content), encoding="utf-8")
+    monkeypatch.setattr(cite, "citation_file", lambda: path)
+    software, paper, _ = entries(capsys).values()
+    assert software.fields["year"] == "2027"
+    assert software.fields["url"] == "https://example.org/a_b"
+    assert software.fields["doi"] == "10.5281/zenodo.1"
+    assert str(software.persons["author"][0]) == r"Doe, A. \& B."
+    assert paper.fields["title"] == r"{100 \% of it}"
+
+
+def test_the_file_is_one():
+    """A wheel has it inside; in a checkout there is none but that of the root."""
+    if not FILE.exists():
+        pytest.skip("not a checkout")
+    assert not (files("standfast") / "CITATION.cff").is_file()
+    assert "version" not in yaml.safe_load(FILE.read_text("utf-8"))  # it stands in version.py

@@ -1,0 +1,111 @@
+"""Examples of the documentation's pages, found by Sybil and run as a reader would run them.
+
+``python`` runs, all blocks of a page one after another; ``toml`` is a study or a part of one, and
+is written where the words before it name a file; of ``sh`` and ``console`` every line that calls
+standfast runs in this process, and the lines that follow one in ``console`` are printed by it.
+An HTML comment ``<!-- skip: next -->`` leaves out the block that follows, and is not seen.
+"""
+
+import copy
+import re
+import shlex
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+from sybil import Document, Example, Sybil
+from sybil.evaluators.python import PythonEvaluator
+from sybil.parsers.markdown import CodeBlockParser, SkipParser
+
+from populations import GOOD as A_POPULATION
+from standfast.cli.app import main
+from standfast.population.people.study import PopulationStudy
+from standfast.study.study import Study
+from studies import GOOD as A_STUDY
+
+NAMED = re.compile(r"`(?:\w+/)?([\w-]+\.toml)`")
+LEFT_OUT = "…"
+
+
+def run_page(path: Path, capsys) -> None:
+    """Run all examples of a page in the folder in which we are."""
+    shell = Shell(capsys)
+    parsers = [
+        SkipParser(),
+        CodeBlockParser("python", PythonEvaluator()),
+        CodeBlockParser("toml", read_study),
+        CodeBlockParser("sh", shell),
+        CodeBlockParser("console", shell),
+    ]
+    for example in Sybil(parsers).parse(path).examples():
+        example.evaluate()
+
+
+def read_study(example: Example) -> None:
+    """Check a study; a part of one is put into a study that is complete."""
+    content = tomllib.loads(example.parsed)
+    whole = completed(content)
+    try:
+        (PopulationStudy if "population" in whole else Study).from_dict(whole)
+    except ValueError as error:
+        raise AssertionError(f"{place(example)}: {error}") from error
+    if whole == content and (name := file_of(example.document, example.region.start)):
+        Path(name).write_text(example.parsed, encoding="utf-8")
+
+
+def completed(content: dict) -> dict:
+    """Return a study's content; tables that it leaves out are those of another."""
+    if "population" in content or {"body", "stiffness", "output"} <= content.keys():
+        return content
+    laws = [v for v in content.get("stiffness", {}).values() if isinstance(v, dict)]
+    of_people = any({"distribution", "law"} & v.keys() for v in laws)
+    return {**copy.deepcopy(A_POPULATION if of_people else A_STUDY), **content}
+
+
+def file_of(document: Document, start: int) -> str | None:
+    """Return the last file that the paragraph before a block names."""
+    paragraph = document.text[:start].rstrip().rpartition("\n\n")[2]
+    names = NAMED.findall(paragraph)
+    return names[-1] if names else None
+
+
+class Shell:
+    """Runs the lines of a block that call standfast, and looks for what they print."""
+
+    def __init__(self, capsys):
+        self.capsys = capsys
+
+    def __call__(self, example: Example) -> None:
+        for command, printed in commands_of(example.parsed):
+            self.capsys.readouterr()
+            code = main(shlex.split(command, comments=True)[1:])
+            out, err = self.capsys.readouterr()
+            if code != 0:
+                raise AssertionError(f"{place(example)}: {command}\n{err}")
+            if (missing := not_printed(printed, out)) is not None:
+                raise AssertionError(f"{place(example)}: {command}\nnot printed: {missing}\n{out}")
+
+
+def commands_of(text: str) -> Iterator[tuple[str, list[str]]]:
+    """Yield each call of standfast in a block with the lines that follow it."""
+    lines = text.replace("\\\n", " ").splitlines()
+    starts = [i for i, line in enumerate(lines) if re.match(r"(\$ )?\w+ ", line)]
+    prompts = [i for i in starts if lines[i].startswith("$ ")]
+    calls = prompts or starts
+    for start, end in zip(calls, [*calls[1:], len(lines)], strict=True):
+        command = lines[start].removeprefix("$ ")
+        if command.startswith("standfast "):
+            yield command, lines[start + 1 : end] if prompts else []
+
+
+def not_printed(expected: list[str], out: str) -> str | None:
+    """Return the first line that is not among those printed, in order; none if all are."""
+    printed = iter([line.strip() for line in out.splitlines()])
+    for line in expected:
+        if line.strip() not in {"", LEFT_OUT} and line.strip() not in printed:
+            return line
+    return None
+
+
+def place(example: Example) -> str:
+    return f"{Path(example.path).name}, line {example.line}"

@@ -1,0 +1,137 @@
+"""What README and the pages of docs/ show runs, and prints what they say it prints."""
+
+import copy
+import csv
+import re
+import shutil
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import populations
+import standfast as sf
+from pages import commands_of, not_printed, run_page
+from recordings import sway, table
+from standfast.quantities import QUANTITIES
+from standfast.study import grid
+from studies import GOOD, toml_of
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+RUN_ELSEWHERE = {"in-python.md"}  # tests/test_docs.py, which compares its numbers too
+LINK = re.compile(r"\]\(([^)#\s]*)(?:#([^)\s]*))?\)")
+HEADING = re.compile(r"^#+ (.*)$", re.MULTILINE)
+
+
+def an_atlas(name: str) -> None:
+    study = copy.deepcopy(GOOD)
+    model = "edwards2007" if name == "edwards.h5" else "winter"
+    study["body"] = {"model": model, "height": [1.60, 1.75], "bmi": 24}
+    study["stiffness"] |= {"knee": [1200, 2000], "ankle": [0, 500, 1000], "hip": [300, 500, 900]}
+    study["output"]["quantities"] = ["stable", "critical_ankle_stiffness", "safety_factor"]
+    sf.sweep(study, name)
+
+
+def some_people(name: str, count: int = 40) -> None:
+    random = np.random.default_rng(3)
+    with Path(name).open("w", encoding="utf-8") as file:
+        lines = csv.writer(file)
+        lines.writerow(["id", "sex", "age", "height", "mass"])
+        for number in range(count):
+            height = random.normal(1.68, 0.08)
+            mass = random.normal(25.0, 3.0) * height**2
+            age, sex = random.integers(20, 90), "mf"[number % 2]
+            lines.writerow([number, sex, age, f"{height:.3f}", f"{mass:.1f}"])
+
+
+def a_recording(name: str) -> None:
+    _, ap, ml = sway()
+    text = table(["COP_AP", "COP_ML"], [1e3 * ap, 1e3 * ml])
+    Path(name).write_text(text, encoding="utf-8")
+
+
+def a_population(name: str) -> None:
+    content = toml_of(populations.changed("population.size", 1000))
+    Path(name).write_text(content, encoding="utf-8")
+
+
+# What a page takes as given, in the folder in which we are; other pages make theirs.
+GIVEN = {
+    "study.md": {"winter.h5": an_atlas, "edwards.h5": an_atlas},
+    "population.md": {"people.csv": some_people},
+    "people.md": {"men.csv": some_people, "women.csv": some_people, "people.toml": a_population},
+    "figures.md": {"study.h5": an_atlas},
+    "reading-files.md": {"study.h5": an_atlas},
+    "recordings.md": {"recording.csv": a_recording},
+}
+
+
+@pytest.fixture
+def desk(tmp_path, monkeypatch):
+    """A folder of a reader, with our studies, and a package as a reader has it."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(grid, "SHARD_WORK", 512)  # the tests make it small
+    shutil.copytree(ROOT / "studies", "studies")
+    own = set(QUANTITIES)
+    yield tmp_path
+    plt.close("all")
+    for name in set(QUANTITIES) - own:  # added by a page
+        del QUANTITIES[name]
+
+
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if page.name not in RUN_ELSEWHERE], ids=lambda page: page.name
+)
+def test_a_page_runs(page, desk, capsys):
+    for name, make in GIVEN.get(page.name, {}).items():
+        make(name)
+    run_page(page, capsys)
+
+
+def anchors(path: Path) -> set[str]:
+    """The places of a page that a code host names after its headings."""
+    headings = HEADING.findall(path.read_text("utf-8"))
+    words = (re.sub(r"[^\w\- ]", "", heading.lower()) for heading in headings)
+    return {word.replace(" ", "-") for word in words}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_a_page_leads_to_what_is_there(page):
+    text = page.read_text("utf-8")
+    for target, anchor in LINK.findall(text):
+        if "://" in target:
+            continue
+        path = (page.parent / target).resolve() if target else page
+        assert path.exists(), target
+        assert path.is_relative_to(ROOT), target
+        assert not anchor or anchor in anchors(path), f"{target}#{anchor}"
+
+
+WRONG = {
+    "a command that is refused": ("sh", "standfast person --height 175", "height"),
+    "a line that is not printed": ("console", "$ standfast laws\nno-such-law", "no-such-law"),
+    "a key that is not known": ("toml", "[body]\nheigth = 1.7\nmass = 70", "heigth"),
+    "python that fails": ("python", "1 / 0", "division"),
+}
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_a_wrong_example_would_be_noticed(what, tmp_path, capsys):
+    language, block, words = WRONG[what]
+    text = f"```{language}\n{block}\n```\n"
+    page = tmp_path / "page.md"
+    page.write_text(f"# A page\n\n{text}", encoding="utf-8")
+    with pytest.raises((AssertionError, ZeroDivisionError), match=words):
+        run_page(page, capsys)
+    page.write_text(f"# A page\n\n<!-- skip: next -->\n\n{text}", encoding="utf-8")
+    run_page(page, capsys)
+
+
+def test_lines_of_a_console_are_found_in_their_order():
+    (command, lines), other = commands_of("$ standfast a \\\n  --b\nx\n\n…\n  z\n$ standfast c\n")
+    assert command.split() == ["standfast", "a", "--b"]
+    assert not_printed(lines, "x\ny\nz\n") is None
+    assert not_printed(lines, "z\nx\n") == "  z"
+    assert other == ("standfast c", [])

@@ -52,25 +52,6 @@ nitpicky = True
 OTHERS = "numpy|np|jax|xarray|matplotlib|collections|concurrent|pathlib|typing|os"
 BUILT_IN = "array_like|bool|callable|complex|dict|float|int|list|mapping|object|str|tuple|None"
 nitpick_ignore_regex = [("py:.*", rf"({OTHERS})\..*"), ("py:.*", rf"({BUILT_IN}|\w+Error)")]
-# Types in annotations that no user makes; what they are is said where they are given.
-nitpick_ignore = [
-    ("py:class", name)
-    for name in (
-        "GivenStudy",
-        "Path",
-        "h5py._hl.files.File",
-        "standfast.mechanics.law.Gains",
-        "standfast.mechanics.law.Outcome",
-        "standfast.mechanics.links.OneLink",
-        "standfast.mechanics.links.TwoLinks",
-        "standfast.population.people.builtin.Subpopulation",
-        "standfast.population.people.distributions.ParameterDistribution",
-        "standfast.population.people.records.Rejection",
-        "standfast.run.options.RunOptions",
-        "standfast.study.grid.Grid",
-        "standfast.study.grid.Group",
-    )
-]
 copybutton_prompt_text = r"\$ |>>> |\.\.\. "
 copybutton_prompt_is_regexp = True
 
@@ -98,6 +79,7 @@ sphinx_gallery_conf = {
     "ignore_pattern": r"/_",
     "download_all_examples": False,
     "remove_config_comments": True,
+    "capture_repr": (),
     "show_memory": False,
     "show_signature": False,
     "min_reported_time": 1e9,
@@ -109,6 +91,8 @@ sphinx_gallery_conf = {
 }
 
 html_theme = "pydata_sphinx_theme"
+html_favicon = "_static/favicon.svg"
+html_context = {"default_mode": "auto"}
 html_title = f"standfast {release}"
 templates_path = ["_templates"]
 html_static_path = ["_static"]

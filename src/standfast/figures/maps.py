@@ -94,8 +94,7 @@ def map_of(
     ax
         where to draw (default: new axes of a figure of pyplot).
     at
-        values of axes by name, as of :func:`standfast.plot.limits`. Other axes are taken in their
-        middle.
+        values of axes by name, as of :func:`.plot.limits`. Other axes are taken in their middle.
     mark
         subjects to mark, as of :func:`standfast.plot.limits`.
     colorbar

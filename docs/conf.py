@@ -113,9 +113,26 @@ html_theme_options = {
 html_sidebars = {"index": [], "live": [], "tutorial": []}
 
 
+# What runs and files ask of studies; no program of a user calls it.
+MACHINERY = {
+    "block_persons",
+    "block_size",
+    "blocks_per_replicate",
+    "check_size",
+    "from_canonical",
+    "grid",
+    "has_gains",
+    "has_one_joint",
+    "per_replicate",
+    "replicates",
+    "shard_count",
+    "shards",
+}
+
+
 def skip(app: Sphinx, what: str, name: str, each: object, skipped: bool, options: object) -> bool:
-    """Leave out the fields of named tuples, which the class itself explains."""
-    return skipped or type(each).__name__ == "_tuplegetter"
+    """Leave out the fields of named tuples, which the class itself explains, and machinery."""
+    return skipped or type(each).__name__ == "_tuplegetter" or name in MACHINERY
 
 
 def setup(app: Sphinx) -> None:

@@ -2,7 +2,9 @@
 
 import doctest
 import inspect
+import re
 from functools import cached_property
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
@@ -12,6 +14,7 @@ from example_files import make_files
 from standfast.population.summary.file import Population
 from standfast.quantities import QUANTITIES
 
+DOCS = Path(__file__).parents[1] / "docs"
 # Tables and a text, which have no docstring; the page of reference has examples of them.
 TABLES = {"BODY_MODELS", "LAWS", "__version__"}
 # What runs and files ask of studies and persons; no program of a user calls it.
@@ -90,6 +93,18 @@ def test_its_example_prints_what_it_says(name, files, own_quantities, monkeypatc
     runner.run(examples_of(name), out=said.append)
     plt.close("all")
     assert runner.summarize(verbose=False).failed == 0, "".join(said)
+
+
+def test_the_page_of_reference_lists_every_public_name():
+    page = (DOCS / "reference" / "python.md").read_text("utf-8")
+    listed = set(re.findall(r"^   ([A-Za-z_.]+)$", page, re.MULTILINE))
+    assert {name.removeprefix("plot.") for name in PUBLIC if not methods_only(name)} <= listed
+    assert all(f"sf.{name}" in page for name in TABLES)
+
+
+def methods_only(name):
+    """Return whether a name is of a method, which the page of its class has."""
+    return "." in name.removeprefix("plot.")
 
 
 def test_an_example_that_prints_something_else_is_found():

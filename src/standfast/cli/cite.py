@@ -2,13 +2,14 @@
 
 import argparse
 from collections.abc import Iterator
-from importlib.resources import files
-from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from standfast.cli.parsing import add_command
 from standfast.version import __version__
+
+if TYPE_CHECKING:
+    from importlib.resources.abc import Traversable
 
 TO_TEX = str.maketrans({letter: f"\\{letter}" for letter in "&%$#_{}"})
 
@@ -30,8 +31,10 @@ def _cite(_: argparse.Namespace) -> None:
     print("\n\n".join(_entry(*each) for each in _works(content)))
 
 
-def citation_file() -> Traversable | Path:
+def citation_file() -> "Traversable | Path":
     """Return the one file: a wheel has it inside the package, a checkout at its root."""
+    from importlib.resources import files
+
     inside = files("standfast") / "CITATION.cff"
     return inside if inside.is_file() else Path(__file__).parents[3] / "CITATION.cff"
 

@@ -1,4 +1,4 @@
-"""Pages of what lies outside of this folder: measured results, the changelog, how to contribute.
+"""Pages of what lies outside of this folder: measured results, the changelog, how to get help.
 
 They are copied when the documentation is built, with their links turned; and links of the pages to
 them, written as a code host understands them, lead to the copies.
@@ -19,8 +19,8 @@ LINK = re.compile(r"(\]\()(?!\w+:|#)([^)\s#]+)")
 
 def copies() -> dict[Path, Path]:
     """Return where the copy of each file lies."""
-    of_root = ("CHANGELOG.md", "CONTRIBUTING.md")
-    found = {ROOT / name: DOCS / COPIES / name.lower() for name in of_root}
+    of_root = sorted(path for path in ROOT.glob("*.md") if path.stem != "README")
+    found = {path: DOCS / COPIES / path.name.lower() for path in of_root}
     for path in sorted(ROOT.glob("results/*/*.md")):
         name = path.parent.name if path.stem == "README" else f"{path.parent.name}-{path.stem}"
         found[path] = DOCS / COPIES / f"{name}.md"
@@ -29,7 +29,7 @@ def copies() -> dict[Path, Path]:
 
 def turned(text: str, place: Path, page: Path) -> str:
     """Turn the relative links of a text that is written for ``place`` to those of ``page``."""
-    known = copies()
+    known = {ROOT / "README.md": DOCS / "index.md", **copies()}
 
     def link(match: re.Match[str]) -> str:
         target = Path(os.path.normpath(place / match[2]))

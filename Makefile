@@ -48,7 +48,7 @@ reproduce: $(VENV)/run.stamp
 	$(BIN)/standfast reproduce
 
 test: $(VENV)/test.stamp
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n auto --dist worksteal
 
 check: $(VENV)/check.stamp
 	$(BIN)/ruff format --check .

@@ -11,6 +11,7 @@ import pytest
 import messy_people
 import standfast as sf
 from standfast.cli.app import main
+from standfast.engine.mapping import map_over_batch
 from standfast.population.summary.estimators import wilson
 
 
@@ -127,16 +128,46 @@ def test_own_columns_of_our_names_are_computed_anew_and_told(tmp_path, monkeypat
     assert "1 person assessed, 0 rows rejected" in told
 
 
-def test_pieces_and_their_length_are_irrelevant(tmp_path, monkeypatch):
+@pytest.fixture(scope="module")
+def fifty(tmp_path_factory):
+    """Fifty persons with springs and a gain."""
     random = np.random.default_rng(3)
     rows = [f"{h:.3f},{m:.1f},{a:.1f},{g:.1f}" for h, m, a, g in zip(
         random.uniform(1.5, 1.9, 50), random.uniform(50, 100, 50), random.uniform(300, 900, 50),
         random.uniform(100, 900, 50), strict=True,
     )]  # fmt: skip
     header = "height,mass,ankle_stiffness,ankle_proportional_gain"
-    (tmp_path / "p.csv").write_text("\n".join([header, *rows]))
-    people = sf.read_people(tmp_path / "p.csv")
-    told = []
+    path = tmp_path_factory.mktemp("fifty") / "p.csv"
+    path.write_text("\n".join([header, *rows]))
+    return sf.read_people(path)
+
+
+def test_a_person_gets_the_same_bits_in_any_company(fifty, monkeypatch):
+    """And what is compiled for them serves any number of persons, on every planet."""
+    programs = set()
+
+    def noted(*problem):
+        def mapped(numbers):
+            programs.add((*problem, numbers.shape))
+            return map_over_batch(*problem)(numbers)
+
+        return mapped
+
+    monkeypatch.setattr("standfast.population.assess.map_over_batch", noted)
+    otherwise = {"knee": 900.0, "hip": "0.6mgh"}
+    whole = sf.assess(fifty, otherwise=otherwise).columns
+    compiled = set(programs)
+    for company in ([0], [7], [3, 1], range(49, -1, -1), range(5, 38)):
+        chosen = np.array(company)
+        found = sf.assess(fifty.at(chosen), otherwise=otherwise).columns
+        for name, values in whole.items():
+            np.testing.assert_array_equal(found[name], values[chosen], err_msg=name)
+    sf.assess(fifty, otherwise=otherwise, gravity=1.62)
+    assert programs == compiled
+
+
+def test_pieces_and_their_length_are_irrelevant(fifty, monkeypatch):
+    people, told = fifty, []
     otherwise = {"knee": math.inf, "hip": math.inf}
     whole = sf.assess(people, otherwise=otherwise, progress=lambda *at: told.append(at))
     assert told == [(50, 100), (100, 100)]

@@ -29,6 +29,15 @@ def atlas_of(tmp_path, quantities, stiffness=None, body=None):
     return sf.sweep(sf.Study.from_dict(content), tmp_path / "a.h5")
 
 
+OF_ATLAS = ["stable", "frequency", "hip_ankle_ratio", "critical_ankle_stiffness"]
+
+
+@pytest.fixture(scope="module")
+def atlas(tmp_path_factory):
+    """One atlas on all axes, of which tests ask for what they draw."""
+    return atlas_of(tmp_path_factory.mktemp("atlas"), OF_ATLAS)
+
+
 @pytest.fixture(scope="module")
 def paper(tmp_path_factory):
     """The figures of the paper."""
@@ -38,9 +47,7 @@ def paper(tmp_path_factory):
     return figures
 
 
-def test_an_atlas_gets_the_figures_its_axes_allow(tmp_path):
-    wanted = ["stable", "frequency", "hip_ankle_ratio", "critical_ankle_stiffness"]
-    atlas = atlas_of(tmp_path, wanted)
+def test_an_atlas_gets_the_figures_its_axes_allow(atlas, tmp_path):
     written = plot(atlas, tmp_path, formats=("png", "svg", "pdf"))
     names = {path.name for drawing in written for path in drawing.paths}
     assert {f"a-limits.{suffix}" for suffix in ("png", "svg", "pdf")} <= names
@@ -88,17 +95,15 @@ def test_nothing_to_draw_gets_a_sentence(tmp_path):
         plot(atlas_of(tmp_path, ["safety_factor"], alone), tmp_path)
 
 
-def test_an_unknown_quantity_gets_a_sentence_and_no_file(tmp_path):
-    atlas = atlas_of(tmp_path, ["stable"])
+def test_an_unknown_quantity_gets_a_sentence_and_no_file(atlas, tmp_path):
     with pytest.raises(sf.InputError, match="has no 'frequenzy'"):
         plot(atlas, tmp_path, quantities=["frequenzy"])
     assert not list(tmp_path.glob("*.png"))
 
 
-def test_text_is_legible_inside_the_figure_and_does_not_overlap(tmp_path, drawn, paper):
-    plot(atlas_of(tmp_path, ["stable", "frequency", "hip_ankle_ratio"]), tmp_path)
+def test_text_is_legible_inside_the_figure_and_does_not_overlap(atlas, tmp_path, drawn, paper):
+    plot(atlas, tmp_path, quantities=["stable", "frequency", "hip_ankle_ratio"])
     sizes = {"height": [1.5, 1.6, 1.7, 1.8, 1.9], "bmi": [18.0, 20.0, 22.0, 25.0, 30.0, 35.0]}
-    (tmp_path / "a.h5").unlink()
     plot(
         atlas_of(tmp_path, ["stable", "critical_hip_stiffness", "frequency"], None, sizes), tmp_path
     )

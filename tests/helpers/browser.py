@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-NAMES = ("chromium", "chromium-browser", "google-chrome")
+# The first has no window of its own and opens a page with half of the work.
+NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 # As root it runs without a sandbox; and it calls nobody of its own accord.
 ARGUMENTS = (
     "--no-sandbox",

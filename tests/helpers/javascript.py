@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from browser import executable
+
 # A script is the body of a function of the module ``F`` and of ``given``, whose arrays of float64
 # are there as Float64Array; it returns an object of them.
 COMMON = """
@@ -64,8 +66,7 @@ def run(folder: Path, module: str, script: str, **given: np.ndarray) -> dict[str
 
 def _in_chromium(module: str, script: str, data: dict[str, str]) -> Any:
     playwright = pytest.importorskip("playwright.sync_api", reason="neither node nor Playwright")
-    names = ("chromium", "chromium-browser", "google-chrome")
-    browser = next(filter(None, map(shutil.which, names)), None)
+    browser = executable()
     if browser is None:
         pytest.skip("no engine of JavaScript: neither node nor Chromium")
     with playwright.sync_playwright() as started:

@@ -6,9 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from standfast.population.cohort.cohort import cohort_of
+from standfast.engine.mapping import map_over_batch
+from standfast.parameters import JOINTS, STIFFNESSES
+from standfast.population.cohort.cohort import Cohort, cohort_of
 from standfast.population.cohort.counting import Block, count_block, histogram_shapes
 from standfast.population.cohort.histograms import Histograms
+from standfast.population.cohort.persons import outcome
 from standfast.population.people.study import PopulationStudy
 
 RIGID = {"distribution": "fixed", "value": math.inf}
@@ -55,6 +58,22 @@ def of(content: dict[str, Any], **population: Any) -> PopulationStudy:
     content = copy.deepcopy(content)
     content["population"] |= population
     return PopulationStudy.from_dict(content)
+
+
+WHO = ("height", "mass", "stratum", *STIFFNESSES, *(f"{joint}_load" for joint in JOINTS))
+
+
+def drawn(cohort: Cohort, numbers: np.ndarray) -> dict[str, np.ndarray]:
+    """Return who the persons of some numbers are, of all that ``outcome`` says of them.
+
+    What becomes of them, which is most of it, is not compiled.
+    """
+    return map_over_batch(_who, cohort.model, cohort.names)(numbers)
+
+
+def _who(model: Any, given: Any) -> dict[str, Any]:
+    found = outcome(model, given)
+    return {name: found[name] for name in WHO}
 
 
 def counted(study: PopulationStudy) -> list[Histograms]:

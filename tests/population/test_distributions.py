@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from populations import RIGID, changed, law, of
+from populations import RIGID, changed, drawn, law, of
 from standfast.anthropometry.body import Body
-from standfast.engine.mapping import map_over_batch
 from standfast.mechanics.matrices import joint_gravity
 from standfast.parameters import JOINTS
 from standfast.population.cohort.cohort import cohort_of
-from standfast.population.cohort.persons import outcome
 from standfast.population.people.builtin import READY_DELAYS, READY_DISTRIBUTIONS
 from standfast.population.people.distributions import checked_distribution
 
@@ -21,11 +19,11 @@ ACCIDENT = 1e-3  # p-value below which a seeded test of a distribution fails
 
 
 def persons(content, **population):
-    """Every outcome of the first block of a study's persons."""
+    """Who the first block of a study's persons are."""
     study = of(content, size=SIZE, **population)
     cohort = cohort_of(study, study.read_people())
     numbers = cohort.numbers(cohort.sampler.variates(0, 0, SIZE))
-    return map_over_batch(outcome, cohort.model, cohort.names)(numbers)
+    return drawn(cohort, numbers)
 
 
 @pytest.mark.parametrize("relative_to", ["absolute", "single_joint_critical", "mgh"])
@@ -99,9 +97,7 @@ def test_scattered_proportions_have_the_measured_spread():
     cohort = cohort_of(study, None)
     numbers = dict(zip(cohort.names, cohort.sampler.variates(0, 0, SIZE), strict=True))
     # loads are linear in the lengths: their spread at equal height and mass tells the scatter
-    scattered = map_over_batch(outcome, cohort.model, cohort.names)(
-        np.array([numbers[name] for name in cohort.names])
-    )
+    scattered = drawn(cohort, np.array([numbers[name] for name in cohort.names]))
     assert scattered["height"] == pytest.approx(fixed["height"])
     hip = scattered["hip_load"] / fixed["hip_load"] - 1.0
     # legs longer by x shorten the upper body: (0.246 s + 0.245 t) / (0.961 - 0.491)

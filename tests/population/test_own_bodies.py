@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import standfast as sf
-from populations import RIGID, law
+from populations import RIGID, drawn, law
 from standfast.cli.app import main
 from standfast.engine.mapping import map_over_batch
 from standfast.parameters import OWN_BODY
@@ -142,7 +142,7 @@ def test_a_model_by_sex_in_a_builtin_population():
         }  # fmt: skip
         cohort = cohort_of(PopulationStudy.from_dict(content), None)
         numbers = cohort.numbers(cohort.sampler.variates(0, 0, 64))
-        found = map_over_batch(outcome, cohort.model, cohort.names)(numbers)
+        found = drawn(cohort, numbers)
         sexes = np.array([sex for sex, _ in cohort.strata])[found["stratum"].astype(int)]
         return found["ankle_load"], sexes
 

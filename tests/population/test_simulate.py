@@ -8,12 +8,10 @@ from scipy.stats import norm
 
 import covering
 import plain_population as plain
-from populations import GOOD, RIGID, changed, counted, events, law, of
+from populations import GOOD, RIGID, changed, counted, drawn, events, law, of
 from real_people import DATA, needs_people
-from standfast.engine.mapping import map_over_batch
 from standfast.population.cohort.cohort import cohort_of
 from standfast.population.cohort.histograms import bin_edges
-from standfast.population.cohort.persons import outcome
 from standfast.population.people.builtin import ANSUR, NHANES
 from standfast.population.people.study import PopulationStudy
 from standfast.population.summary.estimators import Distribution
@@ -294,13 +292,13 @@ def test_built_in_populations_stand_for_their_files(files, builtin, sex, age):
     study = of(GOOD | {"population": {"builtin": builtin}}, size=2**20, **chosen)
     cohort = cohort_of(study, None)
     variates = np.concatenate([cohort.sampler.variates(0, b, 2**16) for b in range(16)], axis=1)
-    drawn = map_over_batch(outcome, cohort.model, cohort.names)(variates)
-    height, mass = drawn["height"], drawn["mass"]
+    found = drawn(cohort, variates)
+    height, mass = found["height"], found["mass"]
     pairs = (
         (people.height, height),
         (people.mass, mass),
         (people.mass / people.height**2, mass / height**2),
-        (plain.loads(people.height, people.mass, G)[0], drawn["ankle_load"]),
+        (plain.loads(people.height, people.mass, G)[0], found["ankle_load"]),
     )
     for theirs, ours in pairs:
         mean = np.average(theirs, weights=people.weight)

@@ -1,5 +1,7 @@
 """Characteristic roots from the right: against the proof, an oracle's count, and eigenvalues."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -22,6 +24,13 @@ def people():
     return persons, rng.choice(DELAYS, 60)
 
 
+@pytest.fixture(scope="module")
+def roots_of(people):
+    """The roots of one of the people by number, found once for all tests."""
+    persons, delay = people
+    return cache(lambda person: roots_from_the_right(persons.matrices(person), delay[person]))
+
+
 def test_the_first_is_the_rightmost_that_is_proven():
     rng = np.random.default_rng(15)
     persons, delay = random_persons(rng, 10, ("diagonal", "one channel")), rng.choice(DELAYS, 10)
@@ -32,22 +41,22 @@ def test_the_first_is_the_rightmost_that_is_proven():
         assert abs(first - root[person]) <= SAME_ROOT * (1.0 + abs(first)), person
 
 
-def test_none_lies_right_of_the_first(people):
+def test_none_lies_right_of_the_first(people, roots_of):
     persons, delay = people
     for person in range(0, delay.size, 5):
         matrices = persons.matrices(person)
-        first = roots_from_the_right(matrices, delay[person])[0]
+        first = roots_of(person)[0]
         near = 1e-6 * (1.0 + abs(first))
         assert unstable_by_argument(matrices, delay[person], first.real + near) == 0, person
         assert unstable_by_argument(matrices, delay[person], first.real - near) > 0, person
 
 
-def test_none_is_missing_between_the_first_and_the_last(people):
+def test_none_is_missing_between_the_first_and_the_last(people, roots_of):
     persons, delay = people
     late = np.flatnonzero(delay > 0.0)[:5]
-    for person in late:
+    for person in late.tolist():
         matrices = persons.matrices(person)
-        roots = roots_from_the_right(matrices, delay[person])
+        roots = roots_of(person)
         count = np.where(roots.imag > 0.0, 2, 1).sum()
         line = roots[-1].real - 1e-6 * (1.0 + abs(roots[-1]))
         assert unstable_by_argument(matrices, delay[person], line) == count, person
@@ -82,11 +91,11 @@ def test_they_are_sorted_and_none_is_twice(people):
         assert np.unique(np.round(roots, 6)).size == roots.size
 
 
-def test_a_shape_solves_the_equation_and_its_largest_rotation_is_1(people):
+def test_a_shape_solves_the_equation_and_its_largest_rotation_is_1(people, roots_of):
     persons, delay = people
     for person in range(0, delay.size, 5):
         a, b, c, p, d = matrices = persons.matrices(person)
-        s = complex(roots_from_the_right(matrices, delay[person])[0])
+        s = complex(roots_of(person)[0])
         shape = shape_at(matrices, delay[person], s)
         whole = a * s**2 + b * s + c + (p + d * s) * np.exp(-s * delay[person])
         terms = (a * s**2, b * s, c, (abs(p) + abs(d * s)) * abs(np.exp(-s * delay[person])))

@@ -20,7 +20,7 @@ from standfast.parameters import (
     checked_number,
 )
 from standfast.population.assessed import Assessment
-from standfast.population.cohort.bodies import Setting, body_in, setting_of
+from standfast.population.cohort.bodies import Models, body_in, models_of
 from standfast.population.cohort.nerves import entries_of, judged
 from standfast.population.cohort.persons import load_of
 from standfast.population.known import fixed_nerves, stiffness_of_each
@@ -33,7 +33,7 @@ from standfast.stability.modes import frequency_of, modes, ratio_to_ankle
 from standfast.stability.springs import critical_stiffness, verdict
 
 DELAY = "feedback_delay"
-PIECE = 2**14  # persons who are computed together
+PIECE = 2**14  # persons who are computed together, at all times: 5 ms, and compiling takes 3 s
 # How the names of columns say units.
 UNITS = {"N·m/rad": "Nm_rad", "N·m·s/rad": "Nms_rad", "s": "s"}
 
@@ -102,22 +102,24 @@ def _assessed(
     progress: Callable[[int, int], None] | None,
 ) -> dict[str, np.ndarray]:
     """Return the columns of :func:`assess`."""
-    setting, size = setting_of(people, models, checked_number("gravity", gravity))
+    of_each, size = models_of(people, models)
+    # gravity is a number like others, so that a program serves on every planet
+    size["gravity"] = np.full(len(people), checked_number("gravity", gravity))
     bodies = np.array([*size.values()])
 
     def toppling_load() -> np.ndarray:
-        return _in_pieces(_loads, setting, tuple(size), bodies)["ankle"]
+        return _in_pieces(_loads, of_each, tuple(size), bodies)["ankle"]
 
     known = stiffness_of_each(people, otherwise, toppling_load)
     fed_back = any(name in fixed or name in people.measured for name in GAINS)
     step = _Steps(progress, len(people) * (1 + fed_back))
     names = (*size, *STIFFNESSES)
     given = np.array([*size.values(), *known.values()])
-    found = _in_pieces(_of_one, setting, names, given, step)
+    found = _in_pieces(_of_one, of_each, names, given, step)
     columns = _columns(people, known, found)
     if fed_back:
         everything = columns["stands"] != ""
-        columns |= _with_feedback(setting, names, given, people, fixed, everything, step)
+        columns |= _with_feedback(of_each, names, given, people, fixed, everything, step)
     return columns
 
 
@@ -136,19 +138,21 @@ class _Steps:
 
 def _in_pieces(
     function: Callable[[Any, Any], dict[str, Scalar]],
-    setting: Setting,
+    models: Models,
     names: tuple[str, ...],
     numbers: np.ndarray,
     step: Callable[[int], None] = lambda _persons: None,
 ) -> dict[str, np.ndarray]:
-    """Map a function of one person over all, in pieces of one length, so that it compiles once."""
-    mapped = map_over_batch(function, setting, names)
+    """Map a function of one person over all, in pieces of one length, so that it compiles once.
+
+    The last piece is filled up with its own persons, so whom a person comes with changes no bit.
+    """
+    mapped = map_over_batch(function, models, names)
     count = numbers.shape[1]
-    length = min(count, PIECE)
     pieces = []
-    for first in range(0, count, length):
-        piece = np.arange(first, min(first + length, count))
-        found = mapped(np.ascontiguousarray(numbers[:, np.resize(piece, length)]))
+    for first in range(0, count, PIECE):
+        piece = np.arange(first, min(first + PIECE, count))
+        found = mapped(np.ascontiguousarray(numbers[:, np.resize(piece, PIECE)]))
         pieces.append({name: values[: piece.size] for name, values in found.items()})
         step(piece.size)
     return {name: np.concatenate([each[name] for each in pieces]) for name in pieces[0]}
@@ -186,7 +190,7 @@ def _columns(
 
 
 def _with_feedback(
-    setting: Setting,
+    models: Models,
     of_springs: tuple[str, ...],
     given: np.ndarray,
     people: People,
@@ -200,7 +204,7 @@ def _with_feedback(
     """
     names = tuple(name for name in NERVES if name in fixed or name in people.measured)
     size = of_springs[: -len(STIFFNESSES)]
-    by_joint = _in_pieces(_loads, setting, size, given[: len(size)])
+    by_joint = _in_pieces(_loads, models, size, given[: len(size)])
     loads = (by_joint["ankle"], by_joint["knee"], by_joint["hip"])
     values = {}
     for name in names:
@@ -220,7 +224,7 @@ def _with_feedback(
     pieces = []
     for first in range(0, len(people), PIECE):
         piece = known[:, first : first + PIECE]
-        pieces.append(judged(_in_pieces(_entries_of_one, setting, of_one, piece)))
+        pieces.append(judged(_in_pieces(_entries_of_one, models, of_one, piece)))
         step(piece.shape[1])
     stands, critical, margin = (
         np.concatenate([getattr(each, name) for each in pieces])
@@ -234,15 +238,15 @@ def _with_feedback(
     }
 
 
-def _loads(setting: Setting, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
-    loads = joint_gravity(body_in(setting, given), setting[1])[0]
+def _loads(models: Models, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    loads = joint_gravity(body_in(models, given), given["gravity"])[0]
     return dict(zip(JOINTS, loads, strict=True))
 
 
-def _entries_of_one(setting: Setting, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
+def _entries_of_one(models: Models, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
     stiffness = Stiffness._make(given[name] for name in STIFFNESSES)
     nerves = {name: given[name] for name in NERVES if name in given}
-    return entries_of(body_in(setting, given), stiffness, setting[1], nerves)
+    return entries_of(body_in(models, given), stiffness, given["gravity"], nerves)
 
 
 def _gains(
@@ -266,9 +270,9 @@ def _gains(
     }
 
 
-def _of_one(setting: Setting, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
+def _of_one(models: Models, given: Mapping[str, Scalar]) -> dict[str, Scalar]:
     """Return everything about one person; what depends on an unknown stiffness is without sense."""
-    body, gravity = body_in(setting, given), setting[1]
+    body, gravity = body_in(models, given), given["gravity"]
     stiffness = Stiffness._make(given[name] for name in STIFFNESSES)
     person = (body, stiffness, gravity)
     alone, _, _ = joint_gravity(body, gravity)

@@ -11,7 +11,6 @@ from standfast.population.people.records import People
 
 # The people of one stratum, say of one sex, are scaled by one model; of each stratum its name.
 Models = tuple[str, ...]
-Setting = tuple[Models, float]  # and gravity
 
 
 def model_of_sex(body_model: str | Mapping[str, str], sex: str) -> str:
@@ -53,20 +52,22 @@ def _where(condition: Scalar, one: Body, other: Body) -> Body:
     return Body._make(xp.where(condition, a, b) for a, b in zip(one, other, strict=True))
 
 
-def setting_of(
-    people: People, body_model: str | Mapping[str, str], gravity: float
-) -> tuple[Setting, dict[str, np.ndarray]]:
-    """Return the models and gravity of all, and the numbers that make each one's body."""
+def models_of(
+    people: People, body_model: str | Mapping[str, str]
+) -> tuple[Models, dict[str, np.ndarray]]:
+    """Return the models of all, and the numbers that make each one's body."""
     sexes = tuple(dict.fromkeys(people.sex))
     models = tuple(model_of_sex(body_model, sex) for sex in sexes)
     numbers = {"height": people.height, "mass": people.mass}
     if len(set(models)) > 1:
         numbers["stratum"] = np.array([sexes.index(sex) for sex in people.sex], np.float64)
+    else:
+        models = models[:1]  # whichever sexes there are, one program
     own = {name: people.measured[name] for name in OWN_BODY if name in people.measured}
-    return (models, gravity), {**numbers, **own}
+    return models, {**numbers, **own}
 
 
-def body_in(setting: Setting, given: Mapping[str, Scalar]) -> Body:
-    """Return the body of one person by the numbers of :func:`setting_of`."""
-    scaled = scaled_body(setting[0], given.get("stratum", 0.0), given["height"], given["mass"])
+def body_in(models: Models, given: Mapping[str, Scalar]) -> Body:
+    """Return the body of one person by the numbers of :func:`models_of`."""
+    scaled = scaled_body(models, given.get("stratum", 0.0), given["height"], given["mass"])
     return with_own_segments(scaled, given)

@@ -23,7 +23,7 @@ def copies() -> dict[Path, Path]:
     found = {path: DOCS / COPIES / path.name.lower() for path in of_root}
     for path in sorted(ROOT.glob("results/*/*.md")):
         name = path.parent.name if path.stem == "README" else f"{path.parent.name}-{path.stem}"
-        found[path] = DOCS / COPIES / f"{name}.md"
+        found[path] = DOCS / COPIES / "results" / f"{name}.md"
     return found
 
 
@@ -41,7 +41,7 @@ def turned(text: str, place: Path, page: Path) -> str:
 
 def copy(app: Sphinx, config: Config) -> None:
     """Write the copies that are new, so that a second build reads only those again."""
-    (DOCS / COPIES).mkdir(exist_ok=True)
+    (DOCS / COPIES / "results").mkdir(parents=True, exist_ok=True)
     for path, page in copies().items():
         text = turned(path.read_text("utf-8"), path.parent, page)
         if not page.is_file() or page.read_text("utf-8") != text:
@@ -51,7 +51,7 @@ def copy(app: Sphinx, config: Config) -> None:
 def lead_to_copies(app: Sphinx, docname: str, source: list[str]) -> None:
     """Turn the links of a page to what was copied."""
     page = Path(app.env.doc2path(docname))
-    if page.suffix == ".md" and page.parent.name != COPIES:
+    if page.suffix == ".md" and DOCS / COPIES not in page.parents:
         source[0] = turned(source[0], page.parent, page)
 
 

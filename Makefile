@@ -94,7 +94,7 @@ dist: man
 	build/try/.venv/bin/standfast cite
 
 bench: $(VENV)/bench.stamp
-	@for script in verdicts storing peers feedback population workers growth startup tricks cost report; do \
+	@for script in verdicts storing peers feedback sway population workers growth startup tricks cost report; do \
 	  $(BIN)/python benchmarks/$$script.py || exit 1; done
 
 format: $(VENV)/check.stamp

@@ -31,7 +31,7 @@ FULL = 401  # points along a side of the map
 STARTS = 5
 SPRINGS = {
     "stable": 33.0, "critical_ankle_stiffness": 33.0, "safety_factor": 33.0, "frequency": 33.0,
-    "stiffness_reserve": 33.0,
+    "stiffness_reserve": 33.0, "hip_ankle_ratio": 33.0,
 }  # fmt: skip
 ONE_JOINT = "knee_stiffness=inf&hip_stiffness=inf&ankle_stiffness=400&ankle_damping=20"
 GAINS = "ankle_proportional_gain=500&ankle_derivative_gain=25&feedback_delay=0.1"

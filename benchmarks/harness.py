@@ -86,16 +86,20 @@ class Report:
             print(f"  {demand.what}: {demand.found:.3g} (wanted {demand.wanted:g}) {mark}")
 
 
-def in_turn(jobs: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, list[float]]:
+def in_turn(
+    jobs: Mapping[str, Callable[[], object]],
+    rounds: int,
+    clock: Callable[[], float] = time.perf_counter,
+) -> dict[str, list[float]]:
     """Time jobs one after the other, round by round, after one round that is not counted."""
     seconds: dict[str, list[float]] = {what: [] for what in jobs}
     for number in range(rounds + 1):
         for what, job in jobs.items():
             gc.collect()
-            began = time.perf_counter()
+            began = clock()
             job()
             if number:
-                seconds[what].append(time.perf_counter() - began)
+                seconds[what].append(clock() - began)
     return seconds
 
 

@@ -10,8 +10,8 @@ from harness import RESULTS, ROOT
 from standfast.figures import style
 
 ORDER = (
-    "verdicts", "storing", "peers", "feedback", "population", "workers", "growth", "startup",
-    "tricks", "cost",
+    "verdicts", "storing", "peers", "feedback", "sway", "population", "workers", "growth",
+    "startup", "tricks", "cost",
 )  # fmt: skip
 HEAD = """# Benchmarks
 
@@ -46,6 +46,7 @@ def main() -> None:
         text += _section(report)
     _draw_peers(next(report for report in reports if report["name"] == "peers"))
     _draw_growth(next(report for report in reports if report["name"] == "growth"))
+    _draw_sway(next(report for report in reports if report["name"] == "sway"))
     (RESULTS / "README.md").write_text("\n".join(text) + "\n", encoding="utf-8")
     print((RESULTS / "README.md").relative_to(ROOT))
 
@@ -87,7 +88,27 @@ def _section(report: dict[str, Any]) -> list[str]:
     lines += ["", *(f"- {each}" for each in report["limitations"]), ""]
     if report["name"] == "growth":
         lines += ["![Seconds over points](growth.png)", ""]
+    if report["name"] == "sway":
+        lines += _near_the_threshold(report)
     return lines
+
+
+def _near_the_threshold(report: dict[str, Any]) -> list[str]:
+    """Return the table of what sway costs near the critical delay, and its figure."""
+    lines = [
+        "Near the threshold, the CoP's variance of the same persons at a delay below the critical "
+        "one by a part d of it; left open are those whose integral did not come out:\n",
+        "| d | persons | intervals a person | SD of the CoP, median (mm) | worst error | of 99 % | "
+        "left open |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    lines += [
+        f"| {row['distance']:g} | {row['persons']} | {row['intervals']:.0f} | "
+        f"{1e3 * row['deviation']:.3g} | {row['worst']:.0e} | {row['of 99 %']:.0e} | "
+        f"{row['left open']} |"
+        for row in report["extra"]["near"]
+    ]
+    return [*lines, "", "![Intervals and errors near the critical delay](sway.png)", ""]
 
 
 def _draw_peers(report: dict[str, Any]) -> None:
@@ -154,6 +175,28 @@ def _draw_growth(report: dict[str, Any]) -> None:
         ax.set_ylabel("Whole command (s)")
         ax.text(0.02, 0.04, "beside the points: peak memory", transform=ax.transAxes, fontsize=7)
         style.save(figure, RESULTS / "growth", ("png",))
+
+
+def _draw_sway(report: dict[str, Any]) -> None:
+    """Draw what sway costs near the critical delay, and how large its errors are."""
+    near = report["extra"]["near"]
+    distance = [row["distance"] for row in near]
+    with style.paper_figure(height=2.3, width=style.PAGE * 0.75, panels=(1, 2)) as (figure, axes):
+        cost, error = axes
+        cost.plot(distance, [row["intervals"] for row in near], "o-", color=style.BLUE)
+        cost.set_ylim(0.0, 1.1 * max(row["intervals"] for row in near))
+        cost.set_ylabel("Intervals of ω a person")
+        for name, line, label in (("worst", "o-", "worst"), ("of 99 %", "s--", "of 99 %")):
+            values = [row[name] for row in near]
+            error.plot(distance, values, line, color=style.BLUE, markersize=4.0, label=label)
+        error.axhline(1e-6, color="black", linewidth=0.8)
+        error.text(distance[-1], 1.2e-6, "promised", ha="right", va="bottom", fontsize=7)
+        error.set(yscale="log", ylim=(1e-9, 1e-5), ylabel="Relative error of a variance")
+        error.legend(frameon=False, loc="upper left")
+        for ax in axes:
+            ax.set(xscale="log", xlabel="Delay left, part of the critical delay")
+            ax.invert_xaxis()
+        style.save(figure, RESULTS / "sway", ("png",))
 
 
 if __name__ == "__main__":

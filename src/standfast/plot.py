@@ -15,6 +15,7 @@ from standfast.figures.population_charts import (
     standing_by_delay,
     survival,
 )
+from standfast.figures.spectra import sway_spectrum
 
 __all__ = [
     "curves",
@@ -26,4 +27,5 @@ __all__ = [
     "risk_map",
     "standing_by_delay",
     "survival",
+    "sway_spectrum",
 ]

@@ -88,22 +88,27 @@ def test_an_atlas_is_embedded(tmp_path, atlas, capsys):
     assert found["source"] == "embedded"
     assert list(found["embedded"]["values"]) == ["frequency"]
     assert found["subjects"] == [{"label": "S1", "values": {"hip_stiffness": 400.0}}]
-    assert "holds" not in capsys.readouterr().out
+    assert found["notes"] == []
+    assert capsys.readouterr().err == ""
 
 
 def test_a_thinned_atlas_says_so(tmp_path, atlas, capsys, monkeypatch):
     monkeypatch.setattr("standfast.explore.embedding.EMBEDDED_BYTES", 1500)
-    exported(tmp_path / "page.html", atlas)
-    assert "It holds " in (said := capsys.readouterr().out)
-    assert " of 3 values" in said
+    (note,) = exported(tmp_path / "page.html", atlas)["notes"]
+    assert "this page holds knee stiffness at 2 of 3 values" in note
+    assert note in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("knee", "several"), [("1500", True), ("inf", False)])
 def test_feedback_of_several_joints_is_said_not_to_be_exported(tmp_path, capsys, knee, several):
     study = tmp_path / "study.toml"
     study.write_text(FEEDBACK.format(knee=knee))
-    exported(tmp_path / "page.html", study)
-    assert ("sweep the study and export the atlas" in capsys.readouterr().out) == several
+    found = exported(tmp_path / "page.html", study)
+    assert ("sweep the study and export the atlas" in capsys.readouterr().err) == several
+    assert ("springs alone" in " ".join(found["notes"])) == several
+    shown = found["start"]
+    assert shown["quantity"] == ("safety_factor" if several else "stable")
+    assert ("gain" in shown["x"] + shown["y"]) == (not several)
 
 
 @pytest.mark.parametrize(("arguments", "words"), [

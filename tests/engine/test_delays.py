@@ -15,6 +15,7 @@ from standfast.engine.grid import Evaluator
 from standfast.engine.mapping import in_batches
 from standfast.quantities import QUANTITIES
 from standfast.stability.delay.persons import all_crossings
+from standfast.stability.sway.persons import variances
 from standfast.study import grid
 
 # Two compilers of one formula round differently; what they find differs by this at most.
@@ -206,3 +207,52 @@ def test_an_atlas_of_feedback_is_named_and_the_same_for_any_number_of_threads(tm
     assert atlas["critical_delay"].units == "s"
     assert atlas["stable"].dims == tuple(study.axes)
     assert atlas["critical_delay"].dims == tuple(n for n in study.axes if n != "feedback_delay")
+
+
+FALLING: dict[str, Any] = {
+    **CHART,
+    "stiffness": {"ankle": [100.0, 300.0, 450.0], "knee": 1500.0, "hip": [300.0, 600.0]},
+    "feedback": {**CHART["feedback"], "delay": [0.0, 0.1]},
+    "noise": {"ankle": 1.0, "hip": 0.3},
+}
+
+
+def test_crossings_are_looked_for_of_whom_the_quantities_need(monkeypatch):
+    """Of sway, who has an odd number of unstable roots falls at every delay, and costs nothing."""
+    tables = []
+
+    def remembered(*args, **how):
+        tables.append((how["of"], all_crossings(*args, **how)))
+        return tables[-1][1]
+
+    monkeypatch.setattr(engine, "all_crossings", remembered)
+    sway = ["ankle_sway", "com_sway", "cop_frequency"]
+    alone = whole(sf.Study.from_dict({**FALLING, "output": {"quantities": sway}}))
+    for of, table in tables:
+        assert of == "who may stand"
+        assert (table.unstable[table.person] % 2 == 0).all()
+    odd = sum(int((table.unstable % 2 == 1).sum()) for _, table in tables)
+    assert odd > 50
+    tables.clear()
+    beside = [*sway, "decay_rate"]
+    together = whole(sf.Study.from_dict({**FALLING, "output": {"quantities": beside}}))
+    assert {of for of, _ in tables} == {"everybody"}
+    for name in sway:
+        np.testing.assert_array_equal(alone[name], together[name])
+
+
+def test_variances_of_quantities_of_one_call_are_found_together(monkeypatch):
+    asked = []
+
+    def remembered(rows, *args, **how):
+        asked.append(rows)
+        return variances(rows, *args, **how)
+
+    monkeypatch.setattr(engine, "variances", remembered)
+    names = [name for name, row in QUANTITIES.items() if row.variances]
+    together = sf.compute(sf.Study.from_dict({**FALLING, "output": {"quantities": names}}))
+    assert [len(rows) for rows in asked] == [len(names)] == [7]
+    for name in names:
+        alone = sf.compute(sf.Study.from_dict({**FALLING, "output": {"quantities": [name]}}))
+        # refined by another's needs, never less than by its own
+        np.testing.assert_allclose(alone[name], together[name], rtol=engine.OF_GRIDS)

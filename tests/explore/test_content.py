@@ -3,12 +3,14 @@
 import json
 import math
 from html.parser import HTMLParser
+from importlib.resources import files
 
 import numpy as np
 import pytest
 
 import standfast as sf
 from standfast.anthropometry.body import REFERENCE_PEOPLE
+from standfast.anthropometry.tables import ANKLE_HEIGHT
 from standfast.explore.content import (
     NOMINAL,
     NOMINAL_START,
@@ -18,7 +20,8 @@ from standfast.explore.content import (
     plane_of,
 )
 from standfast.explore.sliders import round_step, start_of
-from standfast.parameters import OWN_BODY, PARAMETERS
+from standfast.figures.choosing import CUT_AT, RUNNING_AWAY
+from standfast.parameters import OWN_BODY, PARAMETERS, STANDARD_GRAVITY
 from standfast.quantities import QUANTITIES
 from studies import GOOD, UNEQUAL, changed
 
@@ -191,6 +194,23 @@ def test_people_are_those_of_the_package():
         assert found[model]["mass"] == person.mass
 
 
+def test_numbers_of_the_package_are_told_and_stand_in_no_script():
+    constants = told(NOMINAL, NOMINAL_START)["constants"]
+    assert constants["gravity"] == PARAMETERS["gravity"].default
+    assert constants["ankle_height"] == ANKLE_HEIGHT
+    assert (constants["running_away"], constants["cut_at"]) == (RUNNING_AWAY, CUT_AT)
+    assert constants["seen"]["cop_velocity"] == {"unit": "mm/s", "factor": 1000.0}
+    assert constants["seen"]["hip_sway"]["factor"] == pytest.approx(180.0 / math.pi)
+    assert "cop_frequency" not in constants["seen"]
+    scripts = "".join(
+        file.read_text(encoding="utf-8")
+        for file in (files("standfast.explore") / "page").iterdir()
+        if file.name.endswith(".js")
+    )
+    for number in (STANDARD_GRAVITY, ANKLE_HEIGHT):
+        assert str(number) not in scripts
+
+
 def test_the_map_opens_on_the_axes_of_the_figures():
     feedback = {**changed("stiffness.ankle", [float(k) for k in range(9)]), "feedback": {
         "delay": {"start": 0.0, "stop": 0.3, "num": 11}, "proportional": {"ankle": 500.0},
@@ -205,7 +225,7 @@ def test_the_map_opens_on_the_axes_of_the_figures():
 
 def test_a_quantity_that_is_not_there_is_said():
     study = sf.Study.from_dict(GOOD)
-    with pytest.raises(sf.InputError, match="did you mean 'frequency'"):
+    with pytest.raises(sf.InputError, match=r"no 'frequenzy'; did you mean 'frequency'\?$"):
         chosen_quantities(study, ["frequenzy"], live=True)
     with pytest.raises(sf.InputError, match="no 'frequency' \\(quantities: stable\\)"):
         chosen_quantities(study, ["frequency"], live=False)

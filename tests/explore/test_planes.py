@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import standfast as sf
-from standfast.explore import embedding, planes
+from standfast.explore import embedding, opening, planes
 from standfast.explore.planes import Planes
 
 ANKLE, KNEE, HIP = "ankle_stiffness", "knee_stiffness", "hip_stiffness"
@@ -154,18 +154,18 @@ def start_in(study, place):
     return {name: axis[min(place, len(axis) - 1)].item() for name, axis in study.axes.items()}
 
 
-def test_a_small_atlas_is_embedded_whole(atlas):
+def test_a_small_atlas_is_embedded_whole(atlas, shown):
     start = start_in(atlas.study, 0)
     places = embedding.thinned(atlas.study, QUANTITIES, (ANKLE, HIP), 10**9, start=start)
-    assert embedding.left_out(atlas.study, places) == ""
-    texts = embedding.embedded(atlas, QUANTITIES, (ANKLE, HIP), places)
+    assert opening.thinned_words(atlas.study, places, "1 GB") == ""
+    texts = embedding.embedded(shown, QUANTITIES, (ANKLE, HIP), places)
     for name in QUANTITIES:
         raw = zlib.decompress(base64.b64decode(texts[name]))
         values = np.frombuffer(raw, atlas[name].dtype.newbyteorder("<")).reshape(atlas[name].shape)
         np.testing.assert_array_equal(values, np.asarray(atlas[name]))
 
 
-def test_a_large_atlas_is_thinned_evenly_beside_its_map(atlas):
+def test_a_large_atlas_is_thinned_evenly_beside_its_map(atlas, shown):
     most = 2_000_000
     start = start_in(atlas.study, 0)
     places = embedding.thinned(atlas.study, QUANTITIES, (ANKLE, HIP), most, start=start)
@@ -175,8 +175,10 @@ def test_a_large_atlas_is_thinned_evenly_beside_its_map(atlas):
     assert knees[0] == 0
     assert knees[-1] == 69
     assert np.ptp(np.diff(knees)) <= 1
-    assert "knee_stiffness at" in embedding.left_out(atlas.study, places)
-    texts = embedding.embedded(atlas, QUANTITIES, (ANKLE, HIP), places)
+    words = opening.thinned_words(atlas.study, places, "2 MB")
+    assert words.startswith("To fit into 2 MB this page holds ")
+    assert f"knee stiffness at {len(knees)} of 70 values" in words
+    texts = embedding.embedded(shown, QUANTITIES, (ANKLE, HIP), places)
     size = 0
     for name in QUANTITIES:
         raw = zlib.decompress(base64.b64decode(texts[name]))

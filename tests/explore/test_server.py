@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 import standfast as sf
-from standfast.explore.server import MOST_BYTES, Served, answering, listening
+from standfast.explore.answers import MOST_BYTES
+from standfast.explore.served import Served
+from standfast.explore.server import answering, listening
 
 TOKEN = "right-token"  # noqa: S105 - of the test
 SECONDS = 20.0  # after which a test that hangs fails

@@ -21,6 +21,12 @@ def first_order(matrices):
     return now, late, np.vstack([zero, inverse / RATE]), inverse.T
 
 
+def fastest(people):
+    """The largest modulus of what would be the roots without the feedback (1/s), (persons,)."""
+    each = (first_order(people.matrices(number))[0] for number in range(people.kind.size))
+    return np.array([np.abs(np.linalg.eigvals(now)).max() for now in each])
+
+
 def without_delay(matrices, noise):
     """The covariance of rotations that solves Lyapunov's equation, P and D at once."""
     now, late, enters, back = first_order(matrices)

@@ -40,6 +40,9 @@ class SegmentRow(NamedTuple):
         return self.total_mass, self.com_above_lower_end, self.inertia
 
 
+# The ankle joint above the floor, a fraction of stature (Drillis & Contini, in Winter, figure 4.1).
+ANKLE_HEIGHT = 0.039
+
 # Dempster's cadaver data in the form of D. A. Winter, Biomechanics and Motor Control of Human
 # Movement, Table 4.1 and the segment lengths of Drillis & Contini (figure 4.1). HAT = head, arms
 # and trunk; its fractions are of the distance from greater trochanter to shoulder, 0.288 of

@@ -3,7 +3,6 @@
 import argparse
 import contextlib
 import functools
-import math
 import os
 import secrets
 import sys
@@ -16,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from standfast.cli.parsing import add_command, pairs_of
 from standfast.errors import InputError
-from standfast.parameters import OWN_BODY, PARAMETERS, STIFFNESSES, checked_number
+from standfast.parameters import OWN_BODY, PARAMETERS, checked_number
 
 if TYPE_CHECKING:
     from standfast.atlas.reader import Atlas
@@ -137,21 +136,18 @@ def _subjects(texts: list[str]) -> list[dict[str, Any]]:
 
 
 def _serve(options: argparse.Namespace, study: "Study", atlas: "Atlas | None") -> None:
-    from standfast.explore import content, sliders
+    from standfast.explore import content, opening, sliders
     from standfast.explore.planes import Planes
-    from standfast.explore.server import ADDRESS, Served, listening, serve
+    from standfast.explore.served import ADDRESS, Served
+    from standfast.explore.server import listening, serve
 
     stops = None if atlas is None else atlas.axes
     token = secrets.token_urlsafe(24)
-    start = sliders.start_of(study, _person(options), stops=stops)
-    told = content.content_of(
-        study,
-        start=start,
-        quantities=content.chosen_quantities(study, options.quantity, live=atlas is None),
-        stops=stops,
-        subjects=_subjects(options.mark),
-        token=token,
-    )
+    person = _person(options)
+    start = sliders.start_of(study, person, stops=stops)
+    quantities = content.chosen_quantities(study, options.quantity, live=atlas is None)
+    plane = content.plane_of(study, quantities[0], live=atlas is None)
+    subjects = _subjects(options.mark)
     own = {name: float(start[name]) for name in OWN_BODY if name in start}
     planes = None if atlas is None else Planes(atlas)
 
@@ -167,7 +163,21 @@ def _serve(options: argparse.Namespace, study: "Study", atlas: "Atlas | None") -
         """Make the page, which takes as long as a browser takes to start."""
         from standfast.explore.page import page_html
 
-        return page_html(told)
+        at = start
+        if planes is not None and person.keys().isdisjoint(plane):
+            at = opening.standing_start(planes, planes.atlas.axes, start, plane)
+        elif person.keys().isdisjoint(plane):
+            at = opening.standing_start_of_study(study, start, plane, by_springs=False)
+        return page_html(
+            content.content_of(
+                study,
+                start=at,
+                quantities=quantities,
+                stops=stops,
+                subjects=subjects,
+                token=token,
+            )
+        )
 
     served = Served(page, token, live, planes)
     at = listening(options.port)
@@ -208,39 +218,49 @@ def _open(address: str, seen: threading.Event) -> None:
 
 
 def _export(options: argparse.Namespace, study: "Study", atlas: "Atlas | None") -> None:
-    from standfast.explore import content, embedding, sliders
+    from standfast.explore import content, embedding, opening, sliders
     from standfast.explore.page import BEGINNING, page_html
+    from standfast.explore.planes import Planes
     from standfast.files import in_bytes, require_replaceable, whole_file
 
     path: Path = options.export
     require_replaceable(path, BEGINNING, "page")
     quantities = content.chosen_quantities(study, options.quantity, live=atlas is None)
     person = _person(options)
-    stops, embedded, remark = None, None, ""
+    stops, embedded, note = None, None, ""
     if atlas is not None:
         plane = content.plane_of(study, quantities[0], live=False)
-        whole = sliders.start_of(study, person, stops=atlas.axes)
-        places = embedding.thinned(study, quantities, plane, embedding.EMBEDDED_BYTES, start=whole)
+        most = embedding.EMBEDDED_BYTES
+        start = sliders.start_of(study, person, stops=atlas.axes)
+        places = embedding.thinned(study, quantities, plane, most, start=start)
         stops = {name: axis[places[name]] for name, axis in atlas.axes.items()}
-        embedded = embedding.embedded(atlas, quantities, plane, places)
-        remark = embedding.left_out(study, places)
+        start = sliders.start_of(study, person, stops=stops)
+        with contextlib.closing(Planes(atlas)) as planes:
+            embedded = embedding.embedded(planes, quantities, plane, places)
+            if person.keys().isdisjoint(plane):
+                start = opening.standing_start(planes, stops, start, plane)
+        note = opening.thinned_words(study, places, in_bytes(most))
+    else:
+        start = sliders.start_of(study, person)
+        by_springs = opening.is_of_springs_alone(study)
+        if by_springs:
+            note = opening.SPRINGS_ALONE
+            quantities = quantities if options.quantity else opening.springs_first(quantities)
+        plane = content.plane_of(study, quantities[0], live=True)
+        if person.keys().isdisjoint(plane):
+            start = opening.standing_start_of_study(study, start, plane, by_springs=by_springs)
     told = content.content_of(
         study,
-        start=sliders.start_of(study, person, stops=stops),
+        start=start,
         quantities=quantities,
         stops=stops,
         embedded=embedded,
         subjects=_subjects(options.mark),
+        notes=[note] if note else [],
     )
     text = page_html(told)
     with whole_file(path) as partial:
         partial.write_text(text, encoding="utf-8")
     print(f"Written: {path} ({in_bytes(path.stat().st_size)}), which opens in any browser.")
-    if remark:
-        print(f"It holds {remark}.")
-    free = [name for name in STIFFNESSES if study.fixed.get(name) != math.inf]
-    if atlas is None and study.has_gains and len(free) > 1:
-        print(
-            "Feedback of several joints needs the program, and the page shows springs alone of "
-            "it; sweep the study and export the atlas to keep it."
-        )
+    if note:
+        print(f"standfast: {note}", file=sys.stderr)

@@ -64,7 +64,7 @@ def add(commands: Any) -> None:
         words = f"{kind} of {keys}, {rows[0].unit}; repeatable"
         metavar = "JOINT=X,…"
         parser.add_argument(f"--{option}", action="append", default=[], metavar=metavar, help=words)
-    words = "draw it too (.png, .svg or .pdf; NAME/ is a folder)"
+    words = "draw it too, with noise its spectra (.png, .svg or .pdf; NAME/ is a folder)"
     parser.add_argument("-o", "--output", metavar="FIGURE.png", help=words)
     parser.add_argument("--json", action="store_true", help="everything as one JSON object")
 
@@ -248,4 +248,17 @@ def _draw(path: Path, given: dict[str, Any], facts: dict[str, Any]) -> None:
         ),
         stiffness=facts["stiffness"],
         thresholds=facts["thresholds"],
+        spectrum=_spectrum(given, facts),
     )
+
+
+def _spectrum(given: dict[str, Any], facts: dict[str, Any]) -> Any:
+    """Return the spectra of a person whose sway is finite; None of others."""
+    from standfast.quantities.person_facts import person_of, spectrum_of
+
+    sway = facts.get("sway")
+    if sway is None or sway["cop_frequency"] is None:
+        return None
+    # from the slowest that force plates tell to what rings, in equal steps of the logarithm
+    hertz = [10.0 ** (place / 500.0) for place in range(-1000, 751)]
+    return spectrum_of(person_of(given), hertz)

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from standfast.anthropometry.body import Body
+from standfast.anthropometry.tables import ANKLE_HEIGHT
 from standfast.edwards2007 import published as paper
 from standfast.figures import person, standing, style
 from standfast.mechanics.joints import Stiffness
@@ -14,9 +15,8 @@ from standfast.stability.modes import modes
 from standfast.stability.springs import equal_rotation
 from standfast.thresholds.planes import ANKLE, HIP, Plane
 
-# Where the drawn upper body ends: top of the head of a person of 1.753 m whose ankle is 0.039 of
-# stature above the floor (Winter, figure 4.1).
-HEAD_ABOVE_ANKLE = 1.753 * (1.0 - 0.039)
+# Where the drawn upper body ends: top of the head of a person of 1.753 m.
+HEAD_ABOVE_ANKLE = 1.753 * (1.0 - ANKLE_HEIGHT)
 
 
 def draw_all(folder: Path) -> list[Path]:

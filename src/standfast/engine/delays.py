@@ -19,12 +19,12 @@ from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import Array
 from standfast.parameters import NOISES
 from standfast.quantities import QUANTITIES, Person
-from standfast.stability.delay.answers import FedBack, of_whom
+from standfast.stability.delay.answers import FedBack
 from standfast.stability.delay.persons import all_crossings, all_rightmost
-from standfast.stability.delay.problem import Apply, directly
+from standfast.stability.delay.problem import Apply, directly, most_of
 from standfast.stability.delay.table import Crossings
 from standfast.stability.exact import exact_threshold
-from standfast.stability.sway.persons import damped, swaying_of, variance
+from standfast.stability.sway.persons import damped, swaying_of, variances
 from standfast.study.grid import Group, Tile
 from standfast.study.study import Study
 
@@ -46,8 +46,10 @@ class Delays:
         self.others = tuple(name for name in group.axes if name != DELAY)
         self.place = group.axes.index(DELAY) if DELAY in group.axes else None
         self.fixed_delay = np.array([float(study.fixed.get(DELAY, 0.0))])
-        self.answers = [QUANTITIES[name].fed_back for name in group.quantities]
-        self.of = of_whom(self.answers)
+        quantities = [QUANTITIES[name] for name in group.quantities]
+        self.answers = [quantity.fed_back for quantity in quantities]
+        self.of = most_of(quantity.crossings_of for quantity in quantities)
+        self.rows = tuple(sorted({row for quantity in quantities for row in quantity.variances}))
         points = math.prod(group.shape)
         self.apply: Apply = in_batches if points > FEW else directly
         self.left_open = 0
@@ -70,7 +72,7 @@ class Delays:
             table,
             delays,
             lambda: self._roots(numbers, rigid, delays),
-            lru_cache(lambda row: self._variance(row, chunk, delays)),
+            lambda: self._variances(chunk, delays),
         )
         found = []
         for name, answer in zip(self.group.quantities, self.answers, strict=True):
@@ -120,8 +122,8 @@ class Delays:
         at = dict(zip(self.others, map(along_axis, starts, sides, counts), strict=True))
         return sides, starts, counts, at
 
-    def _variance(self, row: int, chunk: tuple[int, ...], delays: np.ndarray) -> np.ndarray:
-        """Return the integral of a row of densities of each person at each delay."""
+    def _variances(self, chunk: tuple[int, ...], delays: np.ndarray) -> dict[int, np.ndarray]:
+        """Return the integrals of the rows that are asked, of each person at each delay."""
         numbers, rigid, table = self.tables(chunk)
         *_, at = self._places(chunk)
         moved = _moved(self.others)(self.inputs.fixed, self.inputs.pieces(at))
@@ -136,9 +138,11 @@ class Delays:
         swaying = swaying_of(
             *of_each, each(more[:3]), each(more[3:6]), each(more[6]),
         )  # fmt: skip
-        found, sure = variance(row, swaying, settles, accuracy=OF_GRIDS, apply=self.apply)
+        found, sure = variances(
+            self.rows, swaying, settles, accuracy=OF_GRIDS, apply=self.apply
+        )  # fmt: skip
         self._count(int((~sure).sum()))
-        return found.reshape(persons, -1)
+        return dict(zip(self.rows, found.reshape(-1, persons, delays.size), strict=True))
 
     def _roots(
         self, numbers: np.ndarray, rigid: np.ndarray, delays: np.ndarray

@@ -11,10 +11,20 @@ from typing import Any
 import numpy as np
 
 from standfast.anthropometry.body import REFERENCE_PEOPLE
+from standfast.anthropometry.tables import ANKLE_HEIGHT
 from standfast.errors import InputError, nearest_name, shortened
 from standfast.explore.sliders import OWN, span_of
-from standfast.parameters import NOISES, OWN_BODY, PARAMETERS, Parameter
+from standfast.figures.choosing import CUT_AT, RUNNING_AWAY
+from standfast.parameters import (
+    NOISES,
+    OWN_BODY,
+    PARAMETERS,
+    STANDARD_GRAVITY,
+    STIFFNESSES,
+    Parameter,
+)
 from standfast.quantities import QUANTITIES
+from standfast.quantities.row import Quantity
 from standfast.study.study import Study
 from standfast.thresholds.planes import PLANE_AXES, axes_of_plane
 from standfast.version import __version__
@@ -32,6 +42,9 @@ NOMINAL: Mapping[str, Any] = {
 }
 # Where its point lies: an adult who just stands.
 NOMINAL_START: Mapping[str, float | str] = {"ankle_stiffness": 1200.0, "hip_stiffness": 500.0}
+THRESHOLDS = [f"critical_{name}" for name in STIFFNESSES]
+# In which unit sway is read, by its SI unit, and how many of them that is.
+SWAY_UNITS = {"rad": ("°", math.degrees(1.0)), "m": ("mm", 1e3), "m/s": ("mm/s", 1e3)}
 
 
 def content_of(
@@ -42,6 +55,7 @@ def content_of(
     stops: Mapping[str, np.ndarray] | None = None,
     embedded: Mapping[str, Any] | None = None,
     subjects: Sequence[Mapping[str, Any]] = (),
+    notes: Sequence[str] = (),
     token: str | None = None,
 ) -> dict[str, Any]:
     """Return what the page is told.
@@ -60,6 +74,8 @@ def content_of(
         of an exported page the values of quantities by name, encoded.
     subjects
         each with ``label`` and ``values`` by name.
+    notes
+        sentences about what the page leaves out, which stand at its top.
     token
         what the page shows the server; None: an exported page.
 
@@ -75,12 +91,14 @@ def content_of(
         encoded = {"values": dict(embedded)}
     return {
         "title": study.title or "Standing",
+        "notes": list(notes),
         "version": __version__,
         "served": token is not None,
         "token": token,
         "source": source,
         "parameters": rows,
         "people": _people(study, start),
+        "constants": _constants(),
         "quantities": [_quantity(study, name, live=stops is None) for name in quantities],
         "embedded": encoded,
         "subjects": [for_json(dict(one)) for one in subjects],
@@ -108,17 +126,16 @@ def chosen_quantities(study: Study, wanted: Sequence[str], *, live: bool) -> tup
     known = (*study.quantities, *(n for n in builtin if live and n not in study.quantities))
     for name in wanted:
         if name not in known:
-            raise InputError(
-                f"--quantity: there is no {shortened(name)}{nearest_name(name, known)} "
-                f"(quantities: {', '.join(known)})"
-            )
+            hint = nearest_name(name, known) or f" (quantities: {', '.join(known)})"
+            raise InputError(f"--quantity: there is no {shortened(name)}{hint}")
     return tuple(dict.fromkeys(wanted)) or known
 
 
 def plane_of(study: Study, quantity: str, *, live: bool) -> tuple[str, str]:
     """Return the axes that the map opens with, the horizontal one first: as the figures have it.
 
-    Of short axes the two longest; a study that is computed live may lack them, and has all others.
+    Of short axes the two longest; a study that is computed live may lack them, and has all others,
+    but of its own only those that matter to the quantity.
 
     Raises
     ------
@@ -130,7 +147,7 @@ def plane_of(study: Study, quantity: str, *, live: bool) -> tuple[str, str]:
     sizes = {
         name: int(np.isfinite(axis).sum())
         for name, axis in study.axes.items()
-        if not PARAMETERS[name].choices
+        if not PARAMETERS[name].choices and (not live or name in study.axes_of(quantity))
     }
     axes = sorted((name for name in sizes if sizes[name] > 1), key=lambda name: -sizes[name])
     if live:
@@ -192,9 +209,29 @@ def _quantity(study: Study, name: str, *, live: bool) -> dict[str, Any]:
         "dtype": row.dtype,
         "flags": list(row.flags),
         "limit": row.limit,
-        "of_noise": row.reference is None and any(map(row.depends_on, NOISES)),
+        "of_noise": is_sway(row),
+        # who falls has no bounds of sway, and where no stiffness suffices all fall
+        "infinite_falls": is_sway(row) or name in THRESHOLDS,
         "jumps": row.jumps,
         "axes": None if live else list(study.axes_of(name)),
+    }
+
+
+def is_sway(row: Quantity) -> bool:
+    """Return whether a quantity is of the sway under noise."""
+    return row.reference is None and any(map(row.depends_on, NOISES))
+
+
+def _constants() -> dict[str, Any]:
+    """Return the numbers that the page has in common with the package."""
+    units = {name: SWAY_UNITS.get(row.unit) for name, row in QUANTITIES.items() if is_sway(row)}
+    seen = {name: {"unit": unit[0], "factor": unit[1]} for name, unit in units.items() if unit}
+    return {
+        "gravity": STANDARD_GRAVITY,
+        "ankle_height": ANKLE_HEIGHT,
+        "running_away": RUNNING_AWAY,
+        "cut_at": CUT_AT,
+        "seen": seen,
     }
 
 

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from standfast.atlas.reader import Atlas
 from standfast.explore.planes import Planes
 from standfast.study.study import Study
 
@@ -50,7 +49,7 @@ def thinned(
 
 
 def embedded(
-    atlas: Atlas,
+    planes: Planes,
     quantities: Sequence[str],
     plane: Sequence[str],
     places: Mapping[str, np.ndarray],
@@ -59,11 +58,7 @@ def embedded(
 
     That is base64 of their little-endian bytes, deflated; the axes in the study's order.
     """
-    planes = Planes(atlas)
-    try:
-        return {name: _encoded(_part_of(planes, name, plane, places)) for name in quantities}
-    finally:
-        planes.close()
+    return {name: _encoded(_part_of(planes, name, plane, places)) for name in quantities}
 
 
 def _part_of(
@@ -90,13 +85,3 @@ def _part_of(
 def _encoded(values: np.ndarray) -> str:
     little = np.ascontiguousarray(values, values.dtype.newbyteorder("<"))
     return base64.b64encode(zlib.compress(little.tobytes(), 6)).decode("ascii")
-
-
-def left_out(study: Study, places: Mapping[str, np.ndarray]) -> str:
-    """Say which axes a page holds at fewer values than the atlas; empty if it holds all."""
-    words = [
-        f"{name} at {len(places[name])} of {len(axis)} values"
-        for name, axis in study.axes.items()
-        if len(places[name]) < len(axis)
-    ]
-    return ", ".join(words)

@@ -16,16 +16,17 @@ from standfast.explore.printing import (
     NUMBERS,
     PLANES,
     SLOTS,
-    Fast,
+    Rows,
     Way,
     entry_of,
-    fast_row,
     flat,
     function,
     functions_of,
     object_of,
     read,
     shared_function,
+    shared_row,
+    worth_rows,
 )
 from standfast.explore.recording import Record
 from standfast.explore.symbols import Symbol, SymbolArray
@@ -106,9 +107,10 @@ def _ways(record: Record, person: Person, kind: str) -> tuple[list[str], list[Wa
     That is how many numbers a shared function finds at most.
     """
     functions: list[str] = []
-    found: dict[Any, tuple[Any, str]] = {}
-    fast: dict[Any, tuple[Any, Fast]] = {}
-    ways = []
+    found: dict[Any, tuple[Any, Any, str]] = {}
+    fast: dict[Any, tuple[Any, Rows]] = {}
+    ways: list[Way] = []
+    parts: dict[Any, dict[int, Symbol]] = {}
     for row in _of_springs():
         find, quick = row.reference, row.fast
         if find is None:
@@ -116,23 +118,41 @@ def _ways(record: Record, person: Person, kind: str) -> tuple[list[str], list[Wa
         if find not in found:
             result = find(person)
             if isinstance(result, Symbol):
-                found[find] = result, ""
+                found[find] = result, result, ""
             else:
                 name = f"{type(result).__name__.lower()}_{kind}"
                 functions.append(shared_function(name, result))
-                found[find] = _again(record, result), f"{name}(p, body, found);"
-        result, call = found[find]
+                found[find] = result, _again(record, result), f"{name}(p, body, found);"
+        whole, result, call = found[find]
         way = Way(row.name, _number(record, row.pick(person, result)), call)
         if quick is not None and kind == "uncoupled":
             if quick not in fast:
                 result, uncertain = quick(person)
-                fast[quick] = _again(record, result), Fast(row.name, flat(result), uncertain)
-                functions += [fast_row(fast[quick][1], slot) for slot in STIFFNESSES]
-            result, way_of_rows = fast[quick]
-            way = way._replace(fast=way_of_rows, pick=_number(record, row.pick(person, result)))
+                fast[quick] = _again(record, result), Rows(row.name, flat(result), uncertain)
+                functions += [shared_row(fast[quick][1], slot) for slot in STIFFNESSES]
+            result, rows = fast[quick]
+            way = way._replace(rows=rows, pick=_number(record, row.pick(person, result)))
+        elif call and kind == "uncoupled":
+            parts.setdefault(find, {})[len(ways)] = _number(record, row.pick(person, whole))
         ways.append(way)
-    size = max(len(flat(each)) for each, _ in [*found.values(), *fast.values()])
+    for values in parts.values():
+        functions += _rows_of_parts(record, ways, values)
+    size = max(len(flat(each)) for each, *_ in [*found.values(), *fast.values()])
     return functions, ways, size
+
+
+def _rows_of_parts(record: Record, ways: list[Way], values: Mapping[int, Symbol]) -> list[str]:
+    """Return rows of quantities that need but a part of what they share, and give them to these.
+
+    ``values`` has them by their places among the ways.
+    """
+    if not worth_rows([*values.values()]):
+        return []
+    rows = Rows(ways[min(values)].name, [*values.values()])
+    for number, place in enumerate(values):
+        pick = record.slot(f"found[{number}]")
+        ways[place] = ways[place]._replace(rows=rows, pick=pick)
+    return [shared_row(rows, slot) for slot in STIFFNESSES]
 
 
 def _of_springs() -> Iterator[Quantity]:

@@ -11,7 +11,7 @@ import numpy as np
 from standfast.atlas.memory import arrays_of
 from standfast.engine.delays import FEW
 from standfast.errors import InputError, nearest_name, shortened
-from standfast.explore.sliders import OWN
+from standfast.explore.sliders import OWN, SCALED
 from standfast.mechanics.feedback import delay_of, equation_of
 from standfast.parameters import JOINTS, OWN_BODY, PARAMETERS
 from standfast.quantities.person_facts import facts_of_sway, facts_with_feedback, person_of
@@ -21,7 +21,6 @@ from standfast.study.study import Study
 from standfast.study.values import check_complete, checked_quantities, checked_value
 
 MOST_POINTS = 401 * 401
-SCALED = ("height", "mass", "bmi", "body_model")
 
 
 class Live:

@@ -121,6 +121,7 @@ def _plot(name: str, **more: Any) -> figure:
         x_range=Range1d(start=0.0, end=1.0),
         y_range=Range1d(start=0.0, end=1.0),
         min_border=8,
+        min_border_right=20,  # half of the last mark's number
         **more,
     )
     for axis in (plot.xaxis[0], plot.yaxis[0]):

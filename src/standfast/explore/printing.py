@@ -2,12 +2,13 @@
 
 - ``point(p, body)`` is one person's value;
 - ``along_…(p, body, xs, out, start, step)`` a row of a plane along one stiffness: what hangs on it
-  stands in the loop, all else before. A fast way's row is there once for all quantities that share
-  it: ``pick`` takes a quantity's number, and where it is uncertain ``point`` is asked.
+  stands in the loop, all else before. What quantities share, as a fast way, is there once for all
+  of them: ``pick`` takes a quantity's number, and where it is uncertain ``point`` is asked.
 - what several quantities share (the modes) is computed into ``found``.
 
 Beside points, rows make a plane of the verdict ten times as fast, one of the safety factor up to
-twice; and one of frequencies, which rows of a fast way find, ten times.
+twice; and ten times one of frequencies, which rows of a fast way find, or of ratios of rotations,
+which need a third of what modes take.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -58,6 +59,18 @@ function fillPoints(point, p, xSlot, xs, ySlot, ys, out) {
   }
 }
 
+// A row of one point finds it sooner than what is asked of one person.
+function quickPoint({ point, rows, pick }) {
+  if (!pick) return point;
+  const [slot, row] = rows[0];
+  const [at, out] = [new Float64Array(1), new Float64Array(1)];
+  return (p, body) => {
+    at[0] = p[slot];
+    row(p, body, at, out, 0, 1, point, pick);
+    return out[0];
+  };
+}
+
 function quantity(uncoupled, coupled) {
   return {
     at(p) {
@@ -69,7 +82,7 @@ function quantity(uncoupled, coupled) {
       const way = coupling ? coupled : uncoupled;
       const q = p.slice();
       const [slot, row] = way.rows.find(([slot]) => slot === xSlot || slot === ySlot) ?? [];
-      if (slot === undefined) fillPoints(way.point, q, xSlot, xs, ySlot, ys, out);
+      if (slot === undefined) fillPoints(quickPoint(way), q, xSlot, xs, ySlot, ys, out);
       else if (slot === xSlot) fillRows(way, row, true, q, ySlot, ys, xs, out);
       else fillRows(way, row, false, q, xSlot, xs, ys, out);
     },
@@ -78,21 +91,21 @@ function quantity(uncoupled, coupled) {
 """
 
 
-class Fast(NamedTuple):
-    """A fast way that quantities share: what it finds, where it is uncertain, its rows' name."""
+class Rows(NamedTuple):
+    """Rows that quantities share: their name, what they find, and where a fast way is uncertain."""
 
     name: str
     found: list[Symbol]
-    uncertain: Symbol
+    uncertain: Symbol | None = None
 
 
 class Way(NamedTuple):
-    """How one quantity is found: its value, and what it takes of a fast way."""
+    """How one quantity is found: its value, and what it takes of the rows that it shares."""
 
     name: str
     value: Symbol
     shared: str = ""  # the call that value asks of first
-    fast: Fast | None = None
+    rows: Rows | None = None
     pick: Symbol | None = None
 
 
@@ -130,17 +143,22 @@ def functions_of(way: Way, kind: str, inner: Sequence[str]) -> Iterator[str]:
         lines = Lines(read)
         (text,) = lines.compute([way.pick])
         lines.write(f"return {text};")
-        yield function(f"{way.name}_of_fast", "p", lines.lines)
+        yield function(f"{way.name}_of_rows", "p", lines.lines)
     else:
-        yield from (_row(way, kind, slot) for slot in _rows(way.value, inner, way.shared))
+        yield from (_row(way, kind, slot) for slot in _along([way.value], inner, way.shared))
 
 
-def _rows(value: Symbol, inner: Sequence[str], shared: str = "") -> list[str]:
+def worth_rows(values: Sequence[Symbol]) -> bool:
+    """Return whether values take few enough operations for rows of their own."""
+    return len(needed(values, {})) <= MOST_IN_ROWS
+
+
+def _along(values: Sequence[Symbol], inner: Sequence[str], shared: str = "") -> list[str]:
     """Return the slots along which rows are printed, the cheapest first."""
-    order = needed([value], {})
-    if shared or len(order) > MOST_IN_ROWS:
+    if shared or not worth_rows(values):
         return []
-    bits = {slot: value.record.slot(slot).depends for slot in inner}
+    order = needed(values, {})
+    bits = {slot: values[0].record.slot(slot).depends for slot in inner}
     return sorted(inner, key=lambda slot: sum(1 for s in order if s.depends & bits[slot]))
 
 
@@ -164,32 +182,34 @@ def _row(way: Way, kind: str, slot: str) -> str:
     return function(name, "p, body, xs, out, start, step", [*lines.lines, "  }"])
 
 
-def fast_row(fast: Fast, slot: str) -> str:
-    """Print a row of a fast way: a quantity picks its number, or is asked as at one point."""
-    lines, (uncertain, *texts) = _loop([fast.uncertain, *fast.found], slot)
-    lines.write(f"if ({uncertain}) {{")
-    lines.write(f"  p[{SLOTS[slot]}] = {slot};")
-    lines.write("  out[start + i * step] = point(p, body);")
-    lines.write("  continue;")
-    lines.write("}")
+def shared_row(rows: Rows, slot: str) -> str:
+    """Print a row that quantities share: each picks its number, or is asked as at one point."""
+    doubt = [] if rows.uncertain is None else [rows.uncertain]
+    lines, texts = _loop([*rows.found, *doubt], slot)
+    if doubt:
+        lines.write(f"if ({texts.pop()}) {{")
+        lines.write(f"  p[{SLOTS[slot]}] = {slot};")
+        lines.write("  out[start + i * step] = point(p, body);")
+        lines.write("  continue;")
+        lines.write("}")
     for place, text in enumerate(texts):
         lines.write(f"found[{place}] = {text};")
     lines.write("out[start + i * step] = pick(p);")
     arguments = "p, body, xs, out, start, step, point, pick"
-    return function(f"fast_{fast.name}_along_{slot}", arguments, [*lines.lines, "  }"])
+    return function(f"rows_of_{rows.name}_along_{slot}", arguments, [*lines.lines, "  }"])
 
 
 def entry_of(way: Way, kind: str, inner: Sequence[str]) -> str:
     """Print which functions a quantity has: its point, and rows by their slots."""
     name = f"{way.name}_{kind}"
-    if way.fast is None:
-        along = {slot: f"{name}_along_{slot}" for slot in _rows(way.value, inner, way.shared)}
+    if way.rows is None:
+        along = {slot: f"{name}_along_{slot}" for slot in _along([way.value], inner, way.shared)}
         pick = ""
     else:
-        along = {
-            slot: f"fast_{way.fast.name}_along_{slot}" for slot in _rows(way.fast.uncertain, inner)
-        }
-        pick = f", pick: {way.name}_of_fast"
+        _, found, uncertain = way.rows
+        slots = _along([*found, *([] if uncertain is None else [uncertain])], inner)
+        along = {slot: f"rows_of_{way.rows.name}_along_{slot}" for slot in slots}
+        pick = f", pick: {way.name}_of_rows"
     rows = ", ".join(f"[{SLOTS[slot]}, {name}]" for slot, name in along.items())
     return f"{{ point: {name}, rows: [{rows}]{pick} }}"
 

@@ -30,6 +30,7 @@ SPANS = {
 }
 STEPS = 200  # of a slider from end to end, about
 OWN = "own"  # who is measured segment by segment, among the models of a body
+SCALED = ("height", "mass", "bmi", "body_model")  # of a body that is not measured
 SIZES = ("mass", "bmi")  # a body has one of them
 
 

@@ -15,9 +15,8 @@ from matplotlib.axes import Axes
 from standfast.atlas.reader import Atlas
 from standfast.errors import InputError, shortened
 from standfast.figures import labels, locus
-from standfast.figures.choosing import MOST_CURVES, middles, thinned
+from standfast.figures.choosing import CUT_AT, MOST_CURVES, RUNNING_AWAY, middles, thinned
 from standfast.figures.given import atlas_in
-from standfast.figures.maps import CUT_AT, RUNNING_AWAY
 from standfast.figures.naming import curve_words, given_words, set_title
 from standfast.figures.scales import set_scale
 from standfast.figures.slicing import full_name, slice_of

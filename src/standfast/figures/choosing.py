@@ -12,6 +12,10 @@ from standfast.study.study import Study
 MOST_PANELS = 9
 MOST_CURVES = 6
 
+# Values that run away to infinity are cut at so many times their median: colours, curves and the
+# page of explore.
+RUNNING_AWAY, CUT_AT = 8.0, 4.0
+
 
 def thinned(study: Study, axes: Sequence[str], most: int) -> dict[str, set[int]]:
     """Choose evenly which values of each axis to show, so that ``most`` are shown together."""

@@ -13,7 +13,7 @@ from matplotlib.cm import ScalarMappable
 from standfast.atlas.reader import Atlas
 from standfast.errors import InputError
 from standfast.figures import marking, painting
-from standfast.figures.choosing import MOST_CURVES, middles
+from standfast.figures.choosing import CUT_AT, MOST_CURVES, RUNNING_AWAY, middles
 from standfast.figures.given import atlas_in
 from standfast.figures.naming import given_words, set_title
 from standfast.figures.scales import edges, set_frame
@@ -35,9 +35,6 @@ LONG_LABEL = 32  # letters, with those of its formula
 
 # Infinite is long, of a delay; of a stiffness it is none that suffices.
 LONG_DELAYS = ("critical_delay", "delay_margin")
-
-# Values that run away to infinity are cut at so many times their median, as curves are.
-RUNNING_AWAY, CUT_AT = 8.0, 4.0
 
 STRATEGIES = "hip_ankle_ratio"
 

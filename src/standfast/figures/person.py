@@ -8,14 +8,15 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from standfast.anthropometry.body import Body
+from standfast.anthropometry.tables import ANKLE_HEIGHT
+from standfast.figures.spectra import sway_spectrum
 from standfast.figures.style import BLUE, PAGE, VERMILION, paper_figure, save
 from standfast.mechanics.motion import segment_angles
 from standfast.numerics.arrays import Vector
 from standfast.parameters import JOINTS, STIFFNESS_UNIT
+from standfast.stability.sway.person import Spectrum
 
 TURN = math.radians(10.0)  # of the ankle, or of the joint that turns most
-# Of stature, what lies above the ankle (Winter, figure 4.1).
-ABOVE_ANKLE = 1.0 - 0.039
 # Rows of joints from below: the bar of what is there, and beside it the mark of what is needed.
 BAR, MARK = 0.44, 0.3
 
@@ -80,8 +81,11 @@ def draw_person(
     words: tuple[str, str],
     stiffness: Mapping[str, float],
     thresholds: Mapping[str, float],
+    spectrum: Spectrum | None = None,
 ) -> list[Path]:
     """Draw one person into a file; ``words`` are titles of the mode and of the joints.
+
+    Below them the ``spectrum`` of its sway is drawn, if any is given.
 
     ``title`` stands above both, if any is given. The mode is drawn as one that ``falls``, or sways.
 
@@ -90,11 +94,13 @@ def draw_person(
     legs = [float(length) for length in body.segment_length]
     upper = 2.0 * float(body.segment_com[2])
     if height is not None:
-        upper = height * ABOVE_ANKLE - sum(legs)
+        upper = height * (1.0 - ANKLE_HEIGHT) - sum(legs)
     lengths = (*legs, upper)
     largest = max(abs(turn) for turn in rotation)
     turn = tuple(TURN * each / max(largest, 1.0) for each in rotation)
-    with paper_figure(width=PAGE * 0.75, height=3.0, panels=(1, 2)) as (figure, (left, right)):
+    rows = 1 if spectrum is None else 2
+    with paper_figure(width=PAGE * 0.75, height=2.9 * rows, panels=(rows, 2)) as (figure, axes):
+        left, right, *below = axes
         if title:
             figure.suptitle(title, fontsize=8)
         sway_pattern(left, lengths, turn, FALLING if falls else SWAYING)
@@ -104,6 +110,9 @@ def draw_person(
         left.set(xlabel="Forward (m), amplitude arbitrary", xticks=[-0.5, 0.0, 0.5])
         stiffness_bars(right, stiffness, thresholds)
         right.set_title(words[1])
-        handles, labels = left.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower left", ncols=2, frameon=False)
+        if spectrum is not None:
+            sway_spectrum(spectrum, axes=below)
+            below[0].set_title("rotations under noise")
+            below[1].set_title("centres of mass and pressure")
+        left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2, frameon=False)
         return save(figure, path.with_suffix(""), (path.suffix[1:],))

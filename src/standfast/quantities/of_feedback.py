@@ -24,6 +24,7 @@ OF_FEEDBACK = (
         None,
         without=("feedback_delay", NOISE),
         fed_back=answers.critical_delay,
+        crossings_of="who stands at once",
         of_one_joint=lambda one: one_joint.critical_delay(joint_of(one)),
     ),
     Quantity(
@@ -34,6 +35,7 @@ OF_FEEDBACK = (
         None,
         without=(NOISE,),
         fed_back=answers.delay_margin,
+        crossings_of="who stands at once",
         of_one_joint=lambda one: one_joint.critical_delay(joint_of(one)) - delay_of(one.given),
         limit=0.0,
     ),

@@ -93,6 +93,7 @@ OF_SPRINGS = (
         step=STANDING,
         flags=("unstable", "stable"),
         fed_back=answers.stands,
+        crossings_of="who may stand",
     ),
     Quantity(
         "stability_determinant",

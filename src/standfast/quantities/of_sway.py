@@ -3,46 +3,54 @@
 from standfast.parameters import JOINTS
 from standfast.quantities.row import Quantity
 from standfast.stability.sway import answers
-from standfast.stability.sway.density import COM, COP, COP_VELOCITY, PAIRS
+from standfast.stability.sway.density import (
+    COM,
+    COP,
+    COP_TIMES_OMEGA,
+    COP_VELOCITY,
+    PAIRS,
+)
 
 
-def _of_joint(place: int, joint: str) -> Quantity:
+def _deviation(name: str, symbol: str, unit: str, meaning: str, row: int) -> Quantity:
+    """Return the row of the table of a standard deviation, whose variance is a ``row`` of sway."""
     return Quantity(
-        f"{joint}_sway",
-        rf"\mathrm{{SD}}(\theta_{joint[0]})",
-        "rad",
-        f"standard deviation of the {joint} rotation under noise, inf where the person falls "
-        "or nothing damps it",
+        name,
+        rf"\mathrm{{SD}}({symbol})",
+        unit,
+        f"standard deviation of {meaning}",
         None,
-        fed_back=answers.deviation(PAIRS.index((place, place))),
+        fed_back=answers.deviation(row),
+        crossings_of="who may stand",
+        variances=(row,),
     )
 
 
 OF_SWAY = (
-    *(_of_joint(place, joint) for place, joint in enumerate(JOINTS)),
-    Quantity(
+    *(
+        _deviation(
+            f"{joint}_sway",
+            rf"\theta_{joint[0]}",
+            "rad",
+            f"the {joint} rotation under noise, inf where the person falls or nothing damps it",
+            PAIRS.index((place, place)),
+        )
+        for place, joint in enumerate(JOINTS)
+    ),
+    _deviation(
         "com_sway",
-        r"\mathrm{SD}(x_\mathrm{CoM})",
+        r"x_\mathrm{CoM}",
         "m",
-        "standard deviation of the centre of mass over the ankle under noise",
-        None,
-        fed_back=answers.deviation(COM),
+        "the centre of mass over the ankle under noise",
+        COM,
     ),
-    Quantity(
-        "cop_sway",
-        r"\mathrm{SD}(x_\mathrm{CoP})",
-        "m",
-        "standard deviation of the centre of pressure under noise",
-        None,
-        fed_back=answers.deviation(COP),
-    ),
-    Quantity(
+    _deviation("cop_sway", r"x_\mathrm{CoP}", "m", "the centre of pressure under noise", COP),
+    _deviation(
         "cop_velocity",
-        r"\mathrm{SD}(v_\mathrm{CoP})",
+        r"v_\mathrm{CoP}",
         "m/s",
-        "standard deviation of the velocity of the centre of pressure under noise, below 10 Hz",
-        None,
-        fed_back=answers.deviation(COP_VELOCITY),
+        "the velocity of the centre of pressure under noise, below 10 Hz",
+        COP_VELOCITY,
     ),
     Quantity(
         "cop_frequency",
@@ -51,5 +59,7 @@ OF_SWAY = (
         "mean frequency of the centre of pressure's power, NaN where the person falls",
         None,
         fed_back=answers.mean_frequency,
+        crossings_of="who may stand",
+        variances=(COP, COP_TIMES_OMEGA),
     ),
 )

@@ -2,7 +2,7 @@
 
 import contextlib
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from standfast.anthropometry.body import REFERENCE_PEOPLE
@@ -12,7 +12,12 @@ from standfast.parameters import JOINTS, NOISES, PARAMETERS
 from standfast.quantities.row import Person
 from standfast.stability import feedback as delayed
 from standfast.stability.sway.density import COM, COP, COP_TIMES_OMEGA, COP_VELOCITY
-from standfast.stability.sway.person import sway_covariance, sway_integrals
+from standfast.stability.sway.person import (
+    Spectrum,
+    sway_covariance,
+    sway_integrals,
+    sway_spectrum,
+)
 
 # An imaginary part below it, relative to the root, is that of a real one; and so much later than
 # the critical delay, relative to it, its crossing is looked for.
@@ -63,6 +68,16 @@ def facts_with_feedback(person: Person) -> dict[str, Any]:
     }
 
 
+def stands(person: Person) -> bool | None:
+    """Return whether a person stands, with damping and feedback; None where rounding leaves it."""
+    damping, late = _nerves_of(person)
+    of = (person.body, person.stiffness, person.gravity)
+    try:
+        return delayed.is_stable(*of, damping=damping, feedback=late)
+    except ArithmeticError:
+        return None
+
+
 def facts_of_sway(person: Person) -> dict[str, Any] | None:
     """Find how much a person sways whose joints' torques are noisy.
 
@@ -100,6 +115,14 @@ def facts_of_sway(person: Person) -> dict[str, Any] | None:
         "cop_frequency": frequency,
         "covariance": covariance,
     }
+
+
+def spectrum_of(person: Person, frequency: Sequence[float]) -> Spectrum:
+    """Return the spectra of a person's sway at some frequencies (Hz); it must stand."""
+    damping, late = _nerves_of(person)
+    noise = [float(person.given[name]) for name in NOISES]
+    of = (person.body, person.stiffness, person.gravity)
+    return sway_spectrum(*of, damping=damping, feedback=late, noise=noise, frequency=frequency)
 
 
 def _nerves_of(person: Person) -> tuple[list[list[Any]], Feedback]:

@@ -12,6 +12,7 @@ from standfast.mechanics.joints import Stiffness
 from standfast.numerics.arrays import Scalar, Vector
 from standfast.parameters import COUPLINGS, PARAMETERS, STIFFNESSES, label
 from standfast.stability.delay.answers import FedBack
+from standfast.stability.delay.problem import Whom
 
 
 class Person(NamedTuple):
@@ -70,7 +71,9 @@ class Quantity:
     on of a quantity of whole numbers.
 
     ``fed_back`` answers it for persons with delayed feedback (``FedBack``), in
-    studies that have gains; a quantity without ``reference`` is found that way in every study.
+    studies that have gains; a quantity without ``reference`` is found that way in every study. It
+    needs the crossings of persons ``crossings_of``, and the ``variances`` of rows of the densities
+    of sway: what quantities that are asked together need is found together.
     ``of_one_joint`` finds it in closed form where two joints are rigid throughout a study. ``own``
     is one that a user added. ``limit`` is its value at the limit of standing, if there is such a
     value. Below it the person falls, but for ``delay_margin``: beyond the critical delay there can
@@ -91,6 +94,8 @@ class Quantity:
     step: Step | None = None
     flags: tuple[str, ...] = ()
     fed_back: Callable[[FedBack], np.ndarray] | None = None
+    crossings_of: Whom = "everybody"
+    variances: tuple[int, ...] = ()
     of_one_joint: Callable[[Person], Scalar] | None = None
     own: bool = False
     limit: float | None = None

@@ -165,7 +165,9 @@ def ratio_to_ankle(joint: str, stiffness: Stiffness, of: Modes) -> Scalar:
     xp = namespace(*of, *stiffness)
     turn = of.shapes[Stiffness._fields.index(joint), 0]
     with_ankle = xp.where(xp.isinf(stiffness.ankle), xp.inf, turn)
-    return xp.where(xp.isinf(of.eigenvalues[0]), xp.nan, with_ankle)[()]
+    # of the stiffnesses, not of the infinite eigenvalue: so no one need compute eigenvalues for it
+    still = xp.isinf(stiffness.ankle) & xp.isinf(stiffness.knee) & xp.isinf(stiffness.hip)
+    return xp.where(still, xp.nan, with_ankle)[()]
 
 
 @np.errstate(all="ignore")

@@ -6,85 +6,74 @@ import numpy as np
 import pytest
 
 import standfast as sf
-from delay_people import random_persons
+from noisy_people import VARIANCES, standing_people
 from standfast.mechanics.links import OneLink
-from standfast.stability.delay.persons import all_crossings
-from standfast.stability.sway.density import COM, COP, COP_VELOCITY, PAIRS
-from standfast.stability.sway.integral import integral
-from standfast.stability.sway.persons import swaying_of, variance
-from sway_oracles import first_order, with_delay, without_delay
+from standfast.stability.sway.density import COM, COP, COP_TIMES_OMEGA, COP_VELOCITY, PAIRS
+from standfast.stability.sway.integral import integrals
+from standfast.stability.sway.persons import swaying_of
+from sway_oracles import fastest, with_delay, without_delay
+from sway_responses import by_responses
 
-FEEDING_BACK = ("diagonal", "full", "one channel", "ankle only")
 # What is promised of a covariance, relative to the deviations. Worst found of 1,000: 6e-11.
 PROMISED = 1e-9
 # The delay Lyapunov matrix is good to 1e-9 while τ times the fastest rate stays below this.
 ORACLE_HOLDS = 3.0
+SOME = 4  # persons whose responses take a second
 
 
-def standing_people(rng, size, delays):
-    """Persons who stand at their delays: numbers, rigid joints, delays, noise."""
-    people = random_persons(rng, size, kinds=FEEDING_BACK)
-    stand = all_crossings(people.numbers, people.rigid).stable_each(delays)
-    return people[np.flatnonzero(stand)], delays[stand]
-
-
-VARIANCES = [row for row, (i, j) in enumerate(PAIRS) if i == j]
-
-
-def variances(people, delays, noise, **how):
-    ones = np.ones((3, delays.size))
-    swaying = swaying_of(people.numbers, people.rigid, delays, noise, ones, ones[0])
-    stands = np.ones(delays.size, bool)
-    return {row: variance(row, swaying, stands, **how)[0] for row in VARIANCES}
-
-
-def largest_difference(people, delays, noise, oracle):
-    found = variances(people, delays, noise)
+def largest_difference(standing, oracle):
+    found, sure = integrals(VARIANCES, standing.swaying)
+    assert sure.all()
     worst = 0.0
-    for number in range(delays.size):
-        free = np.flatnonzero(people.free[:, number])
-        exact = oracle(people.matrices(number), noise[free, number], delays[number])
-        for place, joint in enumerate(free):
-            row = PAIRS.index((joint, joint))
-            worst = max(worst, abs(found[row][number] / exact[place, place] - 1.0))
+    for number, delay in enumerate(standing.delay):
+        free = np.flatnonzero(standing.people.free[:, number])
+        matrices = standing.people.matrices(number)
+        exact = oracle(matrices, standing.noise[free, number], delay).diagonal()
+        worst = max(worst, abs(found[free, number] / exact - 1.0).max())
     return worst
 
 
 def test_solves_lyapunovs_equation_without_delay():
-    rng = np.random.default_rng(151)
-    people, delays = standing_people(rng, 800, np.zeros(800))
-    assert delays.size > 250
-    noise = rng.uniform(0.2, 2.0, (3, delays.size))
-    worst = largest_difference(people, delays, noise, lambda m, s, _: without_delay(m, s))
-    assert worst < PROMISED
+    standing = standing_people(np.random.default_rng(151), 800, 0.0)
+    assert standing.delay.size > 250
+    assert largest_difference(standing, lambda m, s, _: without_delay(m, s)) < PROMISED
 
 
 def test_agrees_with_the_delay_lyapunov_matrix():
-    rng = np.random.default_rng(152)
-    people, delays = standing_people(rng, 1500, rng.uniform(0.0, 0.1, 1500))
-    fastest = np.array([
-        np.abs(np.linalg.eigvals(first_order(people.matrices(n))[0])).max()
-        for n in range(delays.size)
-    ])  # fmt: skip
-    chosen = np.flatnonzero(fastest * delays < ORACLE_HOLDS)
+    standing = standing_people(np.random.default_rng(152), 1500, 0.1)
+    chosen = np.flatnonzero(fastest(standing.people) * standing.delay < ORACLE_HOLDS)
     assert chosen.size > 200
-    people, delays = people[chosen], delays[chosen]
-    noise = rng.uniform(0.2, 2.0, (3, delays.size))
-    assert largest_difference(people, delays, noise, with_delay) < PROMISED
+    assert largest_difference(standing[chosen], with_delay) < PROMISED
 
 
-def test_the_oracle_notices_a_changed_gain():
-    rng = np.random.default_rng(153)
-    people, delays = standing_people(rng, 40, rng.uniform(0.0, 0.02, 40))
-    noise = rng.uniform(0.2, 2.0, (3, delays.size))
-    people.numbers[3] *= 1.0 + 1e-5
+def test_agrees_with_responses_in_time():
+    # of delays that the delay Lyapunov matrix has no digits for too
+    standing = standing_people(np.random.default_rng(155), 120, 0.3)
+    longest = np.argsort(standing.delay)[-SOME:]
+    assert largest_difference(standing[longest], by_responses) < PROMISED
+
+
+@pytest.mark.parametrize("oracle_of", [with_delay, by_responses])
+def test_the_oracles_notice_a_changed_gain(oracle_of):
+    standing = standing_people(np.random.default_rng(153), 40, 0.02)[slice(0, SOME)]
+    standing.people.numbers[3] *= 1.0 + 1e-5
 
     def of_others(matrices, sigma, delay):
-        return with_delay(
-            matrices / np.array([1, 1, 1, 1.0 + 1e-5, 1])[:, None, None], sigma, delay
-        )
+        return oracle_of(matrices / np.array([1, 1, 1, 1.0 + 1e-5, 1])[:, None, None], sigma, delay)
 
-    assert largest_difference(people, delays, noise, of_others) > PROMISED
+    assert largest_difference(standing, of_others) > PROMISED
+
+
+def test_rows_together_are_rows_alone():
+    swaying = standing_people(np.random.default_rng(154), 60, 0.1).swaying
+    rows = (*range(len(PAIRS)), COM, COP, COP_VELOCITY, COP_TIMES_OMEGA)
+    deviations = np.sqrt(integrals(VARIANCES, swaying)[0])
+    sizes = np.stack([deviations[i] * deviations[j] for i, j in PAIRS])
+    sizes = np.concatenate([sizes, integrals(rows[len(PAIRS) :], swaying)[0]])
+    together, _ = integrals(rows, swaying, sizes=sizes)
+    for place, row in enumerate(rows):
+        alone, _ = integrals((row,), swaying, sizes=sizes[place][None])
+        assert (abs(together[place] - alone[0]) <= 2.0 * PROMISED * sizes[place]).all()
 
 
 @pytest.mark.parametrize(("stiffness", "damping"), [(900.0, 40.0), (750.0, 5.0), (5000.0, 300.0)])
@@ -181,12 +170,12 @@ def test_rows_of_com_and_cop_are_the_integrals_of_their_spectra():
         -loads[:, None], np.array([weight]),
     )  # fmt: skip
     for row, density in ((COM, spectrum.com), (COP, spectrum.cop)):
-        found, sure = integral(row, swaying)
+        found, sure = integrals((row,), swaying)
         assert sure.all()
-        assert found[0] == pytest.approx(np.trapezoid(density, hertz), rel=1e-5)
-    fast, _ = integral(COP_VELOCITY, swaying)
+        assert found[0, 0] == pytest.approx(np.trapezoid(density, hertz), rel=1e-5)
+    fast, _ = integrals((COP_VELOCITY,), swaying)
     speed = np.trapezoid((2.0 * np.pi * hertz) ** 2 * spectrum.cop, hertz)
-    assert fast[0] == pytest.approx(speed, rel=1e-4)
+    assert fast[0, 0] == pytest.approx(speed, rel=1e-4)
 
 
 def test_the_centre_of_pressure_swings_about_the_centre_of_mass():

@@ -12,6 +12,7 @@ export class Cells {
   #newest;
   #kept = new Map();
   #bytes = 0;
+  #verdicts = new WeakMap();
 
   /** @param {object|null} whole values of an embedded atlas by quantity, decoded */
   constructor(content, { whole, ask, arrived }) {
@@ -41,10 +42,22 @@ export class Cells {
     const own = shown && Number.isFinite(limit) ? { ...shown, level: limit } : null;
     // the verdict before a value: beyond its critical delay a person may stand again
     const byVerdict = standing && { ...standing, level: 0.5 };
+    const judged = standing ?? (own && name !== "delay_margin" ? this.#judged(own) : null);
     const lacking = missing.some((plane) => !this.#kept.has(plane.key));
     const pending = lacking && refused === undefined;
     const word = lacking ? (refused ?? "") : "";
-    return { shown, standing, limit: byVerdict ?? own, pending, coarse: false, word };
+    return { shown, standing: judged, limit: byVerdict ?? own, pending, coarse: false, word };
+  }
+
+  /** Who stands by a value above its limit, 1, or falls, 0: of an atlas without the verdict. */
+  #judged({ values, xs, ys, level }) {
+    if (!this.#verdicts.has(values)) {
+      this.#verdicts.set(
+        values,
+        Uint8Array.from(values, (value) => (value > level ? 1 : 0)),
+      );
+    }
+    return { values: this.#verdicts.get(values), xs, ys };
   }
 
   /** A plane that is kept; it is then the last to be dropped. */

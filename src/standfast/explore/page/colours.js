@@ -54,7 +54,8 @@ export function scaleFor(quantity, ends) {
   const [low, high] = ends;
   const apart = quantity.limit > low && quantity.limit < high;
   const limit = apart ? quantity.limit : Number.NaN;
-  return { kind: apart ? "apart" : "even", low, high, limit };
+  const { infinite_falls: infiniteFalls } = quantity;
+  return { kind: apart ? "apart" : "even", low, high, limit, infiniteFalls };
 }
 
 /** Where a value lies on a scale, from 0 to 1, or beyond. */
@@ -97,7 +98,8 @@ export function paint(image, field, standing, scale) {
       const beyond = from < 0 || field.columns[column] < 0;
       const value = beyond ? Number.NaN : field.values[from + field.columns[column]];
       const falls =
-        standing !== null && standing.values[fromStanding + standing.columns[column]] === 0;
+        (standing !== null && standing.values[fromStanding + standing.columns[column]] === 0) ||
+        (scale.infiniteFalls && value === Number.POSITIVE_INFINITY);
       any ||= falls;
       const line = falls && (column + offset) % PERIOD < WIDTH;
       image[row * across + column] = shade(bounds, value, line);
@@ -107,6 +109,7 @@ export function paint(image, field, standing, scale) {
 }
 
 const NOTHING = pixel(components("b4b4b4"));
+const FALLING = [pixel(VERDICT[0]), pixel(DEEP)];
 
 function boundsOf(scale) {
   if (scale.kind === "flags") {
@@ -119,6 +122,7 @@ function boundsOf(scale) {
   const limit = apart ? scale.limit : scale.low;
   return {
     ...{ plain, hatched: lines, limit, middle, flags: false },
+    infinite: scale.infiniteFalls ? FALLING : null,
     below: apart ? middle / (limit - scale.low) : 0,
     above: (SHADES - 1 - middle) / (scale.high - limit),
   };
@@ -127,6 +131,7 @@ function boundsOf(scale) {
 function shade(bounds, value, line) {
   if (Number.isNaN(value)) return NOTHING;
   if (bounds.flags) return (line ? bounds.hatched : bounds.plain)[value > 0 ? 1 : 0];
+  if (bounds.infinite && value === Number.POSITIVE_INFINITY) return bounds.infinite[line ? 1 : 0];
   const away = value - bounds.limit;
   const at = bounds.middle + away * (away < 0 ? bounds.below : bounds.above);
   const index = at < 0 ? 0 : at > SHADES - 1 ? SHADES - 1 : (at + 0.5) | 0;

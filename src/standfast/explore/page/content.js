@@ -29,7 +29,15 @@ export function contentOf(text) {
     row.choices ??= [];
     row.numeric = typeof row.start === "number";
   }
-  for (const row of content.quantities) row.limit = decoded(row.limit ?? null);
+  for (const row of content.quantities) {
+    row.limit = decoded(row.limit ?? null);
+    row.seen = content.constants.seen[row.name];
+  }
+  for (const subject of content.subjects) {
+    for (const [name, value] of Object.entries(subject.values)) {
+      subject.values[name] = decoded(value);
+    }
+  }
   content.parameter = Object.fromEntries(content.parameters.map((row) => [row.name, row]));
   content.quantity = Object.fromEntries(content.quantities.map((row) => [row.name, row]));
   content.atlas = content.source !== "formulas";
@@ -72,6 +80,18 @@ export function shortNumber(value, digits = 4) {
       ? value.toExponential(Math.min(digits - 1, 2)).replace(/\.?0*e\+?/, "·10^")
       : String(Number(value.toPrecision(digits)));
   return text.replaceAll("-", "−");
+}
+
+/** A number that was computed, in all of so many digits: what ends in 0 does so. */
+export function measured(value, digits = 4) {
+  const size = Math.abs(value);
+  const text = size >= 1e-4 && Number.isFinite(size) ? value.toPrecision(digits) : "e";
+  return text.includes("e") ? shortNumber(value, digits) : text.replace("-", "−");
+}
+
+/** A computed number with its unit. */
+export function measuredUnit(value, unit, digits = 4) {
+  return unit === "1" ? measured(value, digits) : `${measured(value, digits)} ${unit}`;
 }
 
 /** A number with its unit; a pure number has none. */

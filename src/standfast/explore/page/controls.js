@@ -22,11 +22,12 @@ const GROUPS = [
 const OPEN = new Set(["Stiffness", "Body"]);
 
 /**
- * Make the controls; what is returned shows the values of a state in them.
+ * Make the controls.
  * @param {(name: string, value: number|string) => object} changed gives the values that are then
- * @param {(sentence: string) => void} refused
+ * @returns {{show: (values: object) => void, anew: (values: object) => void}} show what has changed
+ *   of the values of a state; `anew`: all, also where a refused number is written
  */
-export function controlsIn(place, content, changed, refused) {
+export function controlsIn(place, content, changed) {
   const shown = [];
   for (const group of GROUPS) {
     const rows = content.parameters.filter((row) => groupOf(row) === group);
@@ -43,25 +44,30 @@ export function controlsIn(place, content, changed, refused) {
     fields.append(legend);
     box.append(summary, fields);
     place.append(box);
-    for (const row of rows) shown.push({ row, show: controlIn(fields, row, changed, refused) });
+    for (const row of rows) shown.push({ row, show: controlIn(fields, row, changed) });
   }
   const known = new Map();
-  return (values) => {
-    for (const { row, show } of shown) {
+  const show = (values) => {
+    for (const { row, show: showOne } of shown) {
       if (Object.is(known.get(row), values[row.name])) continue;
       known.set(row, values[row.name]);
-      show(values);
+      showOne(values);
     }
   };
+  const anew = (values) => {
+    known.clear();
+    show(values);
+  };
+  return { show, anew };
 }
 
-function controlIn(fields, row, changed, refused) {
+function controlIn(fields, row, changed) {
   const box = document.createElement("div");
   box.className = "control";
   fields.append(box);
   if (row.kind === "fixed") return fixedIn(box, row);
   if (!row.numeric) return choiceIn(box, row, changed);
-  return sliderIn(box, row, changed, refused);
+  return sliderIn(box, row, changed);
 }
 
 function fixedIn(box, row) {
@@ -83,7 +89,7 @@ function choiceIn(box, row, changed) {
   };
 }
 
-function sliderIn(box, row, changed, refused) {
+function sliderIn(box, row, changed) {
   const stops = row.kind === "stops" ? row.stops : null;
   const slider = input("range", `p-${row.name}`);
   const field = input(stops ? "text" : "number", `n-${row.name}`);
@@ -100,7 +106,8 @@ function sliderIn(box, row, changed, refused) {
   const unit = document.createElement("span");
   unit.className = "unit";
   unit.textContent = row.unit === "1" ? "" : row.unit;
-  box.append(labelFor(slider, row), slider, field, unit);
+  const refusal = refusalOf(field, row);
+  box.append(labelFor(slider, row), slider, field, unit, refusal);
   let last = Number.isFinite(row.start) ? row.start : (row.from + row.to) / 2;
   const rigid = row.or_rigid && !stops ? rigidIn(box, row, () => last, changed) : null;
   slider.addEventListener("input", () => {
@@ -109,12 +116,17 @@ function sliderIn(box, row, changed, refused) {
   field.addEventListener("change", () => {
     const value = checkedValue(row, field.value);
     if (value === undefined) {
-      refused(`${capital(row.words)} cannot be ${field.value || "empty"}: ${allowedWords(row)}.`);
+      const typed = field.validity.badInput ? "what is no number" : field.value || "empty";
+      refusal.textContent = `Cannot be ${typed}: ${allowedWords(row)}.`;
       field.setAttribute("aria-invalid", "true");
       return;
     }
+    const typed = field.value;
     // also where the value is what it was, which changes nothing else
     show(changed(row.name, value));
+    if (Number.isFinite(value) && value !== Number(typed)) {
+      refusal.textContent = `${typed} is not a value of the atlas; this is the nearest.`;
+    }
   });
   const show = (values) => {
     const value = values[row.name];
@@ -125,6 +137,7 @@ function sliderIn(box, row, changed, refused) {
       : value;
     if (!infinite || stops) slider.value = at;
     field.removeAttribute("aria-invalid");
+    refusal.textContent = "";
     field.value = stops ? shortNumber(value) : infinite ? "" : Number(value.toPrecision(8));
     slider.setAttribute("aria-valuetext", valueWords(row, value));
     if (rigid) {
@@ -134,6 +147,15 @@ function sliderIn(box, row, changed, refused) {
     }
   };
   return show;
+}
+
+/** Where it is said, below a field and aloud, why a number is refused or another. */
+function refusalOf(field, row) {
+  const refusal = document.createElement("p");
+  Object.assign(refusal, { id: `e-${row.name}`, className: "refusal" });
+  refusal.setAttribute("role", "alert");
+  field.setAttribute("aria-describedby", refusal.id);
+  return refusal;
 }
 
 function rigidIn(box, row, last, changed) {

@@ -1,6 +1,5 @@
-/** What the reader takes home: the figure, the numbers of the map, and the person. */
-import { drawBar } from "./bar.js";
-import { encoded, valueWords } from "./content.js";
+/** What the reader takes home: files with names, the numbers of the map, and the person. */
+import { encoded } from "./content.js";
 
 /** Hand a text or a blob to the reader as a file. */
 export function save(name, content, type) {
@@ -10,6 +9,17 @@ export function save(name, content, type) {
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+const LONGEST_NAME = 50; // letters of a title in a file's name
+
+/** The name of a file: of what page, and of what in it; pure. */
+export function fileName(content, what, ending) {
+  const [title, rest] = [content.title, what].map((words) => {
+    const letters = words.normalize("NFC").toLowerCase().slice(0, LONGEST_NAME);
+    return letters.replace(/[^\p{L}\p{N}]+/gu, "-").replace(/^-+|-+$/g, "");
+  });
+  return `${title || "standing"}-${rest}.${ending}`;
 }
 
 /** The values of the map as CSV, below lines that name all that is fixed; pure. */
@@ -55,44 +65,4 @@ export function personJson(content, state, facts, fedBack) {
   };
   const plain = (_, value) => (typeof value === "number" ? encoded(value) : value);
   return JSON.stringify({ standfast: content.version, given, found }, plain, 2);
-}
-
-/** The map with its bar of colours and what is fixed, as a picture. */
-export function pictureOf(canvas, quantity, scale, words, look) {
-  const picture = document.createElement("canvas");
-  const ratio = globalThis.devicePixelRatio || 1;
-  const width = canvas.width / ratio;
-  const foot = 54 + 18 * words.length + 10;
-  picture.width = canvas.width;
-  picture.height = canvas.height + foot * ratio;
-  const context = picture.getContext("2d");
-  context.fillStyle = look.ground;
-  context.fillRect(0, 0, picture.width, picture.height);
-  context.drawImage(canvas, 0, 0);
-  context.scale(ratio, ratio);
-  context.translate(0, canvas.height / ratio + 4);
-  if (scale) drawBar(context, width, quantity, scale, look);
-  context.fillStyle = look.ink;
-  context.textAlign = "left";
-  words.forEach((line, i) => {
-    context.fillText(line, 26, 54 + 16 * (i + 1), width - 40);
-  });
-  return new Promise((done) => {
-    picture.toBlob(done, "image/png");
-  });
-}
-
-/** What is fixed, in lines of some length; pure. */
-export function fixedWords(content, state, length = 100) {
-  const parts = content.parameters
-    .filter((row) => row.name !== state.x && row.name !== state.y)
-    .filter((row) => !(row.start === 0 && state.values[row.name] === 0))
-    .map((row) => `${row.words} ${valueWords(row, state.values[row.name])}`);
-  const lines = [""];
-  for (const part of parts) {
-    const longer = lines.at(-1) ? `${lines.at(-1)}, ${part}` : part;
-    if (longer.length > length && lines.at(-1)) lines.push(part);
-    else lines[lines.length - 1] = longer;
-  }
-  return lines;
 }

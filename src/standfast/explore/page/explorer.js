@@ -7,11 +7,23 @@ import { axisOf, spreadOver, windowOf } from "./frame.js";
 import { writer } from "./margins.js";
 import { rootWords } from "./roots.js";
 import { fillPerson } from "./state.js";
+import { marksWords, takenFrom, takenWords } from "./subjects.js";
 import { mapWords, movementWords, verdictWords } from "./words.js";
 
 /** Milliseconds after the last change until the picture is made in full. */
 const REST = 250;
 const KEPT_TIMES = 1000;
+
+/** Offer in a list the quantities that can be shown, and say at the others what they need. */
+function offer(select, state, planes) {
+  for (const option of select.options) {
+    const lacks = planes.lacking(state, option.value);
+    option.disabled = lacks !== null && option.value !== state.quantity;
+    const words = lacks ? `${option.dataset.words} – needs ${lacks.needs}` : option.dataset.words;
+    if (option.textContent !== words) option.textContent = words;
+    option.title = lacks?.sentence ?? "";
+  }
+}
 
 /** What the page shows of a state, and when. */
 export class Explorer {
@@ -24,6 +36,7 @@ export class Explorer {
   #tell;
   #waiting = false;
   #requested = 0;
+  #early = null;
   #timer = 0;
   #inputAt = 0;
   #changedAt = Number.NEGATIVE_INFINITY;
@@ -59,11 +72,19 @@ export class Explorer {
     this.#changedAt = performance.now();
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => this.#rest(), REST);
+    const first = this.#requested === 0;
     this.draw();
+    // what the map shows is found while the browser waits for its frame, once: if more changes come
+    // before it, in the frame
+    if (first)
+      queueMicrotask(() => {
+        this.#early = this.#sampled(false);
+      });
   }
 
   /** Draw the state in the next frame. */
   draw() {
+    this.#early = null;
     if (this.#requested === 0) this.#requested = requestAnimationFrame(() => this.#frame());
   }
 
@@ -74,16 +95,22 @@ export class Explorer {
     return { x, y, window: windowOf(state, x, y) };
   }
 
+  /** The view of the state, and what its map shows. */
+  #sampled(resting) {
+    const { x, y, window } = this.view();
+    const spread = (low, high, side, axis) => spreadOver(axis === "x" ? x : y, low, high, side);
+    return { x, y, window, sample: this.#parts.planes.sample(this.state, window, spread, resting) };
+  }
+
   #frame() {
     this.#requested = 0;
     const began = this.#inputAt;
     this.#inputAt = 0;
     const { state } = this;
-    const { map, controls, planes, elements } = this.#parts;
-    const { x, y, window } = this.view();
+    const { map, controls, elements } = this.#parts;
     const resting = performance.now() - this.#changedAt >= REST - 10;
-    const spread = (low, high, side, axis) => spreadOver(axis === "x" ? x : y, low, high, side);
-    const sample = planes.sample(state, window, spread, resting);
+    const { x, y, window, sample } = (!resting && this.#early) || this.#sampled(resting);
+    this.#early = null;
     const quantity = this.#content.quantity[state.quantity];
     const subjects = this.#content.subjects ?? [];
     // what is taken home is written from the state of its values, not from a later one
@@ -91,18 +118,22 @@ export class Explorer {
     const wanted = { sample, x, y, window, quantity, point: state.values, subjects, state: of };
     const drawn = map.show(wanted);
     this.drawn.side = drawn.sample.shown?.xs.length ?? 0;
-    showScale(elements.bar, drawn.quantity, drawn.scale, this.#parts.look());
+    showScale(elements.bar, drawn.seen.quantity, drawn.scale, this.#parts.look());
     elements.computing.hidden = !sample.pending;
     for (const button of [elements.figure, elements.numbers]) {
       button.disabled = sample.pending || sample.coarse;
     }
     this.#write(elements.word, sample.word);
-    controls(state.values);
+    controls.show(state.values);
     // while a slider moves the map comes first, and the person once it is painted
     if (resting) this.#showPerson(resting);
     else setTimeout(() => this.#showPerson(false));
     if (sample.coarse && resting && !sample.pending) this.draw();
-    if (resting) this.#say(sample.pending);
+    if (resting) {
+      this.#write(elements.marks, this.#marksWords({ x, y, window }));
+      offer(elements.quantity, state, planes);
+      this.#say(sample.pending);
+    }
     if (began) this.#measure(began);
   }
 
@@ -117,7 +148,8 @@ export class Explorer {
     const rigid = facts.own.map((own) => own === Number.POSITIVE_INFINITY);
     const body = this.#formulas.bodyAt(person);
     const movement = movementOf(facts, fedBack, nerves);
-    moving.show(lengthsOf(body, state.values.height), rigid, movement);
+    const { ankle_height: ankle } = this.#content.constants;
+    moving.show(lengthsOf(body, state.values.height, ankle), rigid, movement);
     const inPlane = rootsOf(facts, fedBack, nerves);
     // of pictures in quick succession each third has new roots, which take long to draw
     this.#pictures += 1;
@@ -136,6 +168,18 @@ export class Explorer {
     const unknown = movement ? "" : movementWords(facts, fedBack, this.#fedBack, this.#waiting);
     this.#write(elements.unmoved, unknown);
     this.#rootWords = inPlane.length ? rootWords(inPlane) : unknown;
+  }
+
+  /** What of the subjects, and of the person, is shown otherwise than they are, or not. */
+  #marksWords(view) {
+    const { values } = this.state;
+    const { subject } = this.#parts.elements;
+    const taken = subject.value && takenFrom(this.#content, this.#content.subjects[subject.value]);
+    if (taken && Object.entries(taken.values).some(([name, value]) => values[name] !== value)) {
+      subject.value = ""; // the person has been moved since
+    }
+    const words = subject.value ? takenWords(this.#content, Number(subject.value)) : "";
+    return [words, marksWords(this.#content, view, values)].filter(Boolean).join(" ");
   }
 
   #showSway(nerves) {

@@ -108,10 +108,12 @@ export function rootsOf(facts, fedBack, nerves) {
   return [...pairs, ...mirrored];
 }
 
-/** Lengths of shank, thigh and what lies above the hip (m), for drawing. */
-export function lengthsOf(body, height) {
+/**
+ * Lengths of shank, thigh and what lies above the hip (m), for drawing.
+ * @param {number} ankleHeight of the ankle above the floor, a fraction of stature
+ */
+export function lengthsOf(body, height, ankleHeight) {
   const [shank, thigh] = [body[6], body[7]];
-  // the ankle lies 3.9 % of stature above the floor (Winter, figure 4.1)
-  const upper = height ? height * (1 - 0.039) - shank - thigh : 2 * body[10];
+  const upper = height ? height * (1 - ankleHeight) - shank - thigh : 2 * body[10];
   return [shank, thigh, Math.max(upper, 0.2)];
 }

@@ -79,9 +79,9 @@ export function nearestTo(axis, values, low, high, side) {
 
 /**
  * The ends of a scale of colours: round numbers about nearly all of the values.
- * Values that run away to infinity are cut.
+ * Values that run away to infinity, beyond so many medians, are cut at so many.
  */
-export function endsOf(quantity, values) {
+export function endsOf(quantity, values, { running_away: away, cut_at: cut }) {
   const finite = [];
   const step = Math.max(1, Math.floor(values.length / 2500));
   for (let i = 0; i < values.length; i += step) {
@@ -93,6 +93,6 @@ export function endsOf(quantity, values) {
   const at = (share) => finite[Math.min(Math.floor(share * finite.length), finite.length - 1)];
   if (quantity.dtype === "uint8") return [Math.min(0, at(0)), Math.max(1, at(1))];
   const [low, middle, high] = [at(0.02), at(0.5), at(0.96)];
-  if (low > 0 && high > 8 * middle) return [low, 4 * middle];
+  if (low > 0 && high > away * middle) return [low, cut * middle];
   return [low, high];
 }

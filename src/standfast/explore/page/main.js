@@ -3,17 +3,19 @@ import { askWith } from "./asking.js";
 import { Cells, embeddedValues } from "./cells.js";
 import { axesOf, contentOf } from "./content.js";
 import { controlsIn } from "./controls.js";
-import { csvOf, fixedWords, personJson, pictureOf, save } from "./downloads.js";
+import { csvOf, fileName, personJson, save } from "./downloads.js";
 import { Explorer } from "./explorer.js";
 import { bodyAt, modesAt, oneJoint, slotCount, slots, springs } from "./formulas.js";
 import { connectMap } from "./hand.js";
 import { StandingMap } from "./map.js";
 import { marginsIn } from "./margins.js";
+import { PaperMap } from "./paper.js";
 import { MovingPerson } from "./person.js";
 import { Planes } from "./planes.js";
 import { Plot } from "./plot.js";
 import { RootPlane } from "./roots.js";
-import { checkedValue, hashOf, startState, stateOf } from "./state.js";
+import { hashOf, startState, stateOf } from "./state.js";
+import { calledOf, takenFrom } from "./subjects.js";
 import { swayIn } from "./swaying.js";
 
 const formulas = { bodyAt, modesAt, oneJoint, slotCount, slots, springs };
@@ -54,6 +56,7 @@ function choices(explorer) {
   const { x, y, quantity, subject } = elements;
   for (const select of [x, y]) optionsIn(select, axesOf(content), (row) => row.words);
   optionsIn(quantity, content.quantities, (row) => row.words);
+  for (const option of quantity.options) option.dataset.words = option.textContent;
   const chosen = (key, other) => () => {
     const { state } = explorer;
     const value = elements[key].value;
@@ -64,21 +67,16 @@ function choices(explorer) {
   x.addEventListener("change", chosen("x", "y"));
   y.addEventListener("change", chosen("y", "x"));
   quantity.addEventListener("change", chosen("quantity"));
-  const subjects = content.subjects ?? [];
+  const { subjects } = content;
   subject.closest("label").hidden = subjects.length === 0;
-  subjects.forEach(({ label }, i) => {
-    subject.add(new Option(label, String(i)));
+  subjects.forEach((_, i) => {
+    subject.add(new Option(calledOf(subjects, i), String(i)));
   });
   subject.addEventListener("change", () => {
     const one = subjects[Number(subject.value)];
     if (!one) return;
-    const values = { ...explorer.state.values };
-    for (const [name, value] of Object.entries(one.values)) {
-      const row = content.parameter[name];
-      const checked = row && checkedValue(row, String(value));
-      if (checked !== undefined) values[name] = checked;
-    }
-    explorer.change({ values });
+    const { values } = takenFrom(content, one);
+    explorer.change({ values: { ...explorer.state.values, ...values } });
   });
 }
 
@@ -86,10 +84,11 @@ function showChoices(state) {
   for (const key of ["x", "y", "quantity"]) elements[key].value = state[key];
 }
 
-function buttons(explorer, plot, map) {
+function buttons(explorer, map, controls, paper) {
   const on = (id, act) => byId(id).addEventListener("click", act);
   on("reset", () => {
     explorer.change(startState(content));
+    controls.anew(explorer.state.values);
     showChoices(explorer.state);
     tell("Everything is as it was at the start.");
   });
@@ -106,26 +105,37 @@ function buttons(explorer, plot, map) {
     }
   });
   on("figure", async () => {
-    const { quantity, scale, state } = map.drawn;
-    const words = [content.title, ...fixedWords(content, state)];
-    const picture = await pictureOf(plot.picture(), quantity, scale, words, look());
-    save("standfast-map.png", picture, "image/png");
+    const { drawn } = map;
+    const picture = await paper.picture(content, drawn);
+    save(fileName(content, drawn.quantity.words, "png"), picture, "image/png");
   });
   on("numbers", () => {
-    const { sample, state } = map.drawn;
+    const { sample, state, quantity } = map.drawn;
     if (!sample.shown) tell("The map has no numbers now.");
-    else save("standfast-map.csv", csvOf(content, state, sample.shown), "text/csv");
+    else {
+      const name = fileName(content, quantity.words, "csv");
+      save(name, csvOf(content, state, sample.shown), "text/csv");
+    }
   });
   on("person", () => {
     const { facts, fedBack } = explorer.found;
     const text = personJson(content, explorer.state, facts, fedBack);
-    save("standfast-person.json", text, "application/json");
+    save(fileName(content, "person", "json"), text, "application/json");
   });
 }
 
 function keepAddress(state) {
   const hash = hashOf(content, state);
   history.replaceState(null, "", hash ? `#${hash}` : location.pathname + location.search);
+}
+
+/** What the page leaves out stands at its top. */
+function showNotes() {
+  for (const note of content.notes) {
+    const line = document.createElement("p");
+    line.textContent = note;
+    byId("notes").append(line);
+  }
 }
 
 function playerOf(moving) {
@@ -147,24 +157,27 @@ function playerOf(moving) {
   show(!still.matches);
 }
 
-function addressIn(explorer) {
-  const { state, ignored } = stateOf(content, location.hash);
+function addressIn(explorer, controls) {
+  const { state, ignored, moved } = stateOf(content, location.hash);
   explorer.change(state);
+  controls.anew(state.values);
   showChoices(state);
-  if (ignored.length) tell(`Of the address this was not understood: ${ignored.join(", ")}.`);
+  const sentences = [
+    ignored.length ? `Of the address this was not understood: ${ignored.join(", ")}.` : "",
+    moved.length ? `The atlas has other values than the address: ${moved.join("; ")}.` : "",
+  ];
+  if (sentences.some(Boolean)) tell(sentences.filter(Boolean).join(" "));
 }
 
 const elements = Object.fromEntries(
-  ["map", "bar", "computing", "word", "verdict", "said", "x", "y", "quantity", "subject"].map(
-    (id) => [id, byId(id)],
-  ),
+  [
+    ...["map", "bar", "computing", "word", "marks", "verdict", "said", "x", "y", "quantity"],
+    ...["subject", "outside", "roots", "unmoved", "figure", "numbers"],
+  ].map((id) => [id, byId(id)]),
 );
-elements.outside = byId("outside");
-elements.roots = byId("roots");
-elements.unmoved = byId("unmoved");
-for (const id of ["figure", "numbers"]) elements[id] = byId(id);
 
 async function open() {
+  showNotes();
   const figures = JSON.parse(byId("figures").textContent);
   const [plot, rootPlot] = await Promise.all([
     Plot.of(figures.map, elements.map),
@@ -176,24 +189,21 @@ async function open() {
   const sources = { ask, whole, arrived: () => explorer.draw() };
   const cells = content.atlas ? new Cells(content, sources) : null;
   const planes = new Planes(content, formulas, { ...sources, cells });
-  const map = new StandingMap(plot);
+  const map = new StandingMap(plot, content.constants);
   const moving = new MovingPerson(byId("figure-of-person"));
   const roots = new RootPlane(rootPlot);
   const changed = (name, value) => {
     explorer.change({ values: { ...explorer.state.values, [name]: value } });
     return explorer.state.values;
   };
-  const refused = (sentence) => {
-    tell(sentence);
-    explorer.draw();
-  };
-  const controls = controlsIn(byId("controls"), content, changed, refused);
+  const controls = controlsIn(byId("controls"), content, changed);
   const margins = marginsIn(byId("bars"), byId("margins"));
   const sway = swayIn({
     box: byId("sway-box"),
     sentence: byId("sway-words"),
     svg: byId("sway-picture"),
     table: byId("sway"),
+    seen: content.constants.seen,
   });
   const parts = { map, moving, roots, margins, sway, controls, planes, elements, look };
   parts.rested = () => keepAddress(explorer.state);
@@ -204,7 +214,7 @@ async function open() {
     farther: byId("farther"),
     whole: byId("whole"),
   });
-  buttons(explorer, plot, map);
+  buttons(explorer, map, controls, new PaperMap(figures.map));
   const recolour = () => {
     seen = null;
     for (const each of [plot, rootPlot]) each.paintAs(look());
@@ -216,13 +226,17 @@ async function open() {
     elements.bar.dataset.width = String(globalThis.innerWidth);
     explorer.draw();
   });
-  globalThis.addEventListener("hashchange", () => addressIn(explorer));
+  globalThis.addEventListener("hashchange", () => addressIn(explorer, controls));
   // for measurements
   globalThis.standfastTimes = explorer.times;
   globalThis.standfastDrawn = explorer.drawn;
   recolour();
-  addressIn(explorer);
+  addressIn(explorer, controls);
   playerOf(moving);
+  // what sticks below the verdict begins where it ends
+  new ResizeObserver(([{ target }]) => {
+    document.documentElement.style.setProperty("--verdict-height", `${target.offsetHeight}px`);
+  }).observe(byId("verdict-box"));
   byId("leaves").textContent = content.served
     ? "It asks the program on this machine, and nobody else."
     : "Nothing leaves this page.";

@@ -15,6 +15,7 @@ const LEVELS = 8;
 /** The map in its figure: `show` draws what it is given, at once. */
 export class StandingMap {
   #plot;
+  #constants;
   #image = new Uint32Array(PIXELS * PIXELS);
   #array = null;
   #framed = "";
@@ -22,9 +23,13 @@ export class StandingMap {
   /** What was drawn last, for downloads. */
   drawn = null;
 
-  /** @param {object} plot a figure (plot.js) with the sources of the map */
-  constructor(plot) {
+  /**
+   * @param {object} plot a figure (plot.js) with the sources of the map
+   * @param {object} constants what the page has in common with the package
+   */
+  constructor(plot, constants) {
     this.#plot = plot;
+    this.#constants = constants;
     // the reader may have moved it to where no window can be
     plot.onMove(() => this.resized());
   }
@@ -35,7 +40,7 @@ export class StandingMap {
    * @returns {object} what is drawn, with the quantity and the scale of its colours
    */
   show(wanted) {
-    const picture = this.#there(wanted);
+    const picture = inItsUnit(this.#there(wanted));
     const { sample, x, y, window } = picture;
     const frame = [x.place(window[0]), x.place(window[1]), y.place(window[2]), y.place(window[3])];
     this.#plot.held(() => {
@@ -72,19 +77,20 @@ export class StandingMap {
     this.#plot.setAxis("y", labelOf(y.row), marksOf(frame[2], frame[3], y.logarithmic, size[1]));
   }
 
-  #paint({ sample, x, y, window, quantity }, frame) {
+  #paint({ sample, seen, x, y, window }, frame) {
+    const { quantity } = seen;
     const indices = (grid) => ({
       values: grid.values,
       width: grid.xs.length,
       columns: nearestTo(x, grid.xs, window[0], window[1], PIXELS),
       rows: nearestTo(y, grid.ys, window[2], window[3], PIXELS),
     });
-    const shown = sample.shown ?? nothingOn(window);
-    const ends = endsOf(quantity, shown.values);
+    const shown = seen.shown ?? nothingOn(window);
+    const ends = endsOf(quantity, shown.values, this.#constants);
     const scale = scaleFor(quantity, quantity.dtype === "uint8" ? ends : roundEnds(...ends));
     const field = indices(shown);
     const standing =
-      sample.standing === sample.shown ? field : sample.standing && indices(sample.standing);
+      sample.standing === seen.shown ? field : sample.standing && indices(sample.standing);
     scale.hatched = paint(this.#image, field, standing, scale);
     const [x0, x1, y0, y1] = frame;
     const source = this.#plot.source("image");
@@ -129,6 +135,22 @@ export class StandingMap {
   }
 }
 
+const scaledValues = new WeakMap();
+
+/** A picture with what is `seen` of its values: in the unit in which the field reads them. */
+function inItsUnit(picture) {
+  const { sample, quantity } = picture;
+  if (!quantity.seen || !sample.shown) {
+    return { ...picture, seen: { shown: sample.shown, quantity } };
+  }
+  const { unit, factor } = quantity.seen;
+  const { values } = sample.shown;
+  const scaled = scaledValues.get(values) ?? values.map((value) => factor * value);
+  scaledValues.set(values, scaled);
+  const shown = { ...sample.shown, values: scaled };
+  return { ...picture, seen: { shown, quantity: { ...quantity, unit } } };
+}
+
 /** One cell without a value. */
 function nothingOn(window) {
   return { values: [Number.NaN], xs: [window[0]], ys: [window[2]] };
@@ -155,7 +177,8 @@ function lines(grid, x, y, level, most) {
   return contourLines(grid.values, xs, ys, level, stride);
 }
 
-function contoursOf({ sample, x, y, quantity }, scale) {
+function contoursOf({ seen, x, y }, scale) {
+  const { quantity } = seen;
   if (quantity.dtype === "uint8" || quantity.jumps) return [];
   const levels = roundNumbers(scale.low, scale.high, LEVELS);
   const apart = 1e-9 * (scale.high - scale.low);
@@ -164,6 +187,6 @@ function contoursOf({ sample, x, y, quantity }, scale) {
     .filter((level) => !(Math.abs(level - quantity.limit) <= apart))
     .flatMap((level) => {
       const text = shortNumber(level);
-      return lines(sample.shown, x, y, level, CONTOUR_POINTS).map((line) => ({ ...line, text }));
+      return lines(seen.shown, x, y, level, CONTOUR_POINTS).map((line) => ({ ...line, text }));
     });
 }

@@ -9,8 +9,8 @@ export const SIDE = 401;
 const SIDES = [SIDE, 201, 101];
 const SWAY_SIDE = 201; // of sway, which takes the program longest
 const COARSE = 41; // of what the program computes while a slider moves
-// ms, for the values of one picture while a slider moves
-const BUDGET = { springs: 12, oneJoint: 60 };
+// ms, for the values of one picture while a slider moves; springs are to be drawn within 33
+const BUDGET = { springs: 20, oneJoint: 60 };
 const RECENT = 6; // planes, the quickest of which says what one takes
 const STANDING_SIDE = 201;
 const LIMIT_SIDE = 101;
@@ -81,8 +81,7 @@ export class Planes {
       return gained ? cells : { ...cells, limit: this.#limitOfSprings(state, grid) };
     }
     if (ways.shown === "") {
-      const quantity = this.#content.quantity[name];
-      const word = absentWords(quantity, nervesOf(state, [state.x, state.y]));
+      const word = this.lacking(state, name).sentence;
       return { shown: null, standing: null, limit: null, pending: false, coarse: false, word };
     }
     const live = this.#askedLive(state, ways, grid, resting);
@@ -101,6 +100,12 @@ export class Planes {
     const coarse = side < SIDE || live?.coarse === true;
     const of = ways.shown === "live" && shown ? { ...live.state, quantity: name } : undefined;
     return { shown, standing, limit, pending, coarse, word, of };
+  }
+
+  /** What a quantity needs that is not there, as a word or two and in a sentence; null: nothing. */
+  lacking(state, name) {
+    if (this.way(state, name) !== "") return null;
+    return lackOf(this.#content.quantity[name], nervesOf(state, [state.x, state.y]));
   }
 
   /** What a map of springs leaves out for want of the program. */
@@ -128,11 +133,16 @@ export class Planes {
     return SIDES.find((side) => cost * side * side <= (BUDGET[way] ?? 0)) ?? SIDES.at(-1);
   }
 
+  /** One of two arrays in turn, so that what is drawn stays what it was until the next is drawn. */
+  #buffer(key, size) {
+    const [next, last] = this.#buffers.get(key) ?? [new Float64Array(size), new Float64Array(size)];
+    this.#buffers.set(key, [last, next]);
+    return next;
+  }
+
   #computed(state, way, name, { xs, ys }) {
     const { slots } = this.#formulas;
-    const key = `${way} ${name} ${xs.length}`;
-    if (!this.#buffers.has(key)) this.#buffers.set(key, new Float64Array(xs.length * ys.length));
-    const values = this.#buffers.get(key);
+    const values = this.#buffer(`${way} ${name} ${xs.length}`, xs.length * ys.length);
     const began = performance.now();
     const formula = this.#formulas[way][name];
     formula.plane(this.#person, slotOf(slots, state.x), xs, slotOf(slots, state.y), ys, values);
@@ -185,19 +195,26 @@ export class Planes {
   }
 }
 
-/** Why there are no values of a quantity. */
-function absentWords({ words, of_noise: ofNoise }, nerves) {
-  const program = "needs the program (standfast explore)";
-  if (!ofNoise) {
-    const means = nerves.gained ? "this feedback" : "damping";
-    return nerves.gained || nerves.damped
-      ? `The ${words} with ${means} ${program}.`
-      : `The ${words} is of feedback: set a gain.`;
+/** What a quantity needs for its values. */
+function lackOf({ words, of_noise: ofNoise }, nerves) {
+  const nerved = nerves.gained || nerves.damped;
+  const program = (sentence) => ({
+    needs: "the program",
+    sentence: `${sentence} needs the program (standfast explore).`,
+  });
+  if (!ofNoise && nerved) {
+    return program(`The ${words} with ${nerves.gained ? "this feedback" : "damping"}`);
   }
-  if (!nerves.noisy) return `The ${words} is of noise: set a noise of the torques.`;
-  return nerves.damped || nerves.gained
-    ? `The ${words} ${program}.`
-    : `The ${words} has no bounds, as nothing damps the person: set a damping or a gain.`;
+  if (!ofNoise) return { needs: "a gain", sentence: `The ${words} is of feedback: set a gain.` };
+  if (!nerves.noisy) {
+    const sentence = `The ${words} is of noise: set a noise of the torques.`;
+    return { needs: "noise", sentence };
+  }
+  if (nerved) return program(`The ${words}`);
+  return {
+    needs: "damping or a gain",
+    sentence: `The ${words} has no bounds, as nothing damps the person: set a damping or a gain.`,
+  };
 }
 
 async function askLive(ask, { place, state, body }, signal) {

@@ -32,6 +32,8 @@ export class Plot {
   constructor(view) {
     this.#view = view;
     this.#model = view.model;
+    // who comes by keyboard finds the element around it, which has a name
+    view.canvas_view.events_el.removeAttribute("tabindex");
   }
 
   /** The source of a name. */
@@ -65,7 +67,11 @@ export class Plot {
     for (let i = 0; i < MICROTASKS; i++) await null;
     this.#view.unpause(true);
     if (this.#reframed) this.#view.repaint();
-    else this.#view.paint();
+    else {
+      // new columns move no axis here, so their labels need not be measured
+      this.#view.invalidate_dataranges = false;
+      this.#view.paint();
+    }
     this.#reframed = false;
   }
 
@@ -138,8 +144,18 @@ export class Plot {
     }
   }
 
-  /** The figure as it is, drawn into a canvas. */
-  picture() {
-    return this.#view.export("png", true).canvas;
+  /** Draw with so many pixels to a unit of the screen, whatever the screen has. */
+  sharpen(ratio) {
+    const { canvas_view } = this.#view;
+    for (const layer of [canvas_view.primary, canvas_view.overlays]) {
+      Object.defineProperty(layer, "pixel_ratio", { value: ratio });
+    }
+    canvas_view.resize();
+  }
+
+  /** The canvases of the figure, each above the one before. */
+  layers() {
+    const { primary, overlays } = this.#view.canvas_view;
+    return [primary.canvas, overlays.canvas];
   }
 }

@@ -51,7 +51,7 @@ export class RootPlane {
     );
     const fastest = Math.max(...outside.map(([re, im]) => Math.hypot(re, im)));
     if (outside.length === 0) return "";
-    return `Outside of the frame: ${outside.length} roots, up to ${shortNumber(fastest, 3)} 1/s.`;
+    return `Outside of the frame: ${outside.length} root${outside.length === 1 ? "" : "s"}, up to ${shortNumber(fastest, 3)} rad/s.`;
   }
 
   #setFrame(half) {

@@ -1,5 +1,5 @@
 /** What the reader has chosen, and how it stands in the address. */
-import { axesOf, encoded, finiteStops, shortNumber } from "./content.js";
+import { axesOf, encoded, finiteStops, shortNumber, valueWords } from "./content.js";
 import { axisOf, windowOf } from "./frame.js";
 
 /** The state that the page opens with. */
@@ -27,19 +27,25 @@ export function hashOf(content, state) {
 }
 
 /**
- * The state that an address describes; what it says wrongly is left out and named in `ignored`.
- * @returns {{state: object, ignored: string[]}}
+ * The state that an address describes; what it says wrongly is left out and named in `ignored`, and
+ * what an atlas has at another value in `moved`.
+ * @returns {{state: object, ignored: string[], moved: string[]}}
  */
 export function stateOf(content, hash) {
   const state = startState(content);
   const ignored = [];
+  const moved = [];
   const axes = new Set(axesOf(content).map((row) => row.name));
   for (const part of hash.replace(/^#/, "").split("&").filter(Boolean)) {
     const [name, text] = splitAt(part);
     const row = Object.hasOwn(content.parameter, name) ? content.parameter[name] : null;
     const value = row ? checkedValue(row, text) : undefined;
-    if (value !== undefined) state.values[name] = value;
-    else if ((name === "x" || name === "y") && axes.has(text)) state[name] = text;
+    if (value !== undefined) {
+      state.values[name] = value;
+      if (Number.isFinite(value) && value !== Number(text)) {
+        moved.push(`${row.words} ${text} is shown at ${valueWords(row, value)}`);
+      }
+    } else if ((name === "x" || name === "y") && axes.has(text)) state[name] = text;
     else if (name === "quantity" && Object.hasOwn(content.quantity, text)) state.quantity = text;
     else if (name === "window" && writtenWindow(text)) state.window = writtenWindow(text);
     else ignored.push(part);
@@ -48,7 +54,7 @@ export function stateOf(content, hash) {
   if (state.window) {
     state.window = windowOf(state, axisOf(content, state.x), axisOf(content, state.y));
   }
-  return { state, ignored };
+  return { state, ignored, moved };
 }
 
 function splitAt(part) {
@@ -125,6 +131,6 @@ export function fillPerson(content, slots, values, person) {
     }
   }
   person[slots.by_bmi] = "bmi" in values && !("mass" in values) ? 1 : 0;
-  if (!("gravity" in values)) person[slots.gravity] = 9.80665;
+  if (!("gravity" in values)) person[slots.gravity] = content.constants.gravity;
   return person;
 }

@@ -1,18 +1,19 @@
 /** How the person sways under noise, in numbers and as an ellipse: what is shown of it; pure. */
-import { shortNumber, withUnit } from "./content.js";
+import { measured, measuredUnit, shortNumber } from "./content.js";
 import { JOINTS } from "./facts.js";
 
 const DEGREES = 180 / Math.PI;
-/** Names of what is known of sway, in words, and the unit that is shown, in SI units. */
+/** Names of what is known of sway, and in words. */
 const SHOWN_SWAY = [
-  ["ankle_sway", "Ankle rotation, SD", "°", DEGREES],
-  ["knee_sway", "Knee rotation, SD", "°", DEGREES],
-  ["hip_sway", "Hip rotation, SD", "°", DEGREES],
-  ["com_sway", "Centre of mass, SD", "mm", 1000],
-  ["cop_sway", "Centre of pressure, SD", "mm", 1000],
-  ["cop_velocity", "Its velocity, SD", "mm/s", 1000],
-  ["cop_frequency", "Its mean frequency", "Hz", 1],
+  ["ankle_sway", "Ankle rotation, SD"],
+  ["knee_sway", "Knee rotation, SD"],
+  ["hip_sway", "Hip rotation, SD"],
+  ["com_sway", "Centre of mass, SD"],
+  ["cop_sway", "Centre of pressure, SD"],
+  ["cop_velocity", "Its velocity, SD"],
+  ["cop_frequency", "Its mean frequency"],
 ];
+const AS_IT_IS = { unit: "Hz", factor: 1 };
 /** 95 % of a normal pair lie within so many SDs: the root of −2 ln 0.05; of one normal number, 1.96. */
 export const WITHIN = Math.sqrt(-2 * Math.log(0.05));
 export const WITHIN_ONE = 1.959964;
@@ -26,9 +27,10 @@ const NOTHING_DAMPS =
  * @param {{stands: boolean|null, sway: object|null}|null} answer what the program said, if it did
  * @param {boolean} served whether there is a program to ask
  * @param {boolean} waiting whether it has been asked and has not answered
+ * @param {object} seen in which unit each of them is read, by name
  * @returns {{sentence: string, rows: string[][], picture: object|null}}
  */
-export function shownSway(nerves, answer, served, waiting) {
+export function shownSway(nerves, answer, served, waiting, seen) {
   const only = (sentence) => ({ sentence, rows: [], picture: null });
   if (!nerves.damped && !nerves.gained) return only(NOTHING_DAMPS);
   if (!served) return only("Sway needs the program (standfast explore).");
@@ -39,13 +41,13 @@ export function shownSway(nerves, answer, served, waiting) {
   }
   const free = (name) => !JOINTS.includes(name) || nerves.free.includes(name);
   const rows = SHOWN_SWAY.filter(([name]) => free(name.replace(/_sway$/, ""))).map(
-    ([name, words, unit, size]) => [words, known(sway[name], unit, size)],
+    ([name, words]) => [words, known(sway[name], seen[name] ?? AS_IT_IS)],
   );
   return { sentence: "", rows, picture: pictureOfSway(sway.covariance, nerves.free) };
 }
 
-function known(value, unit, size) {
-  return Number.isNaN(value) ? "open within rounding" : withUnit(size * value, unit, 3);
+function known(value, { unit, factor }) {
+  return Number.isNaN(value) ? "open within rounding" : measuredUnit(factor * value, unit, 3);
 }
 
 /**
@@ -67,7 +69,7 @@ function pictureOfSway(covariance, free) {
 export function swayWords({ joints, deviations, together }) {
   const within = joints.length === 1 ? WITHIN_ONE : WITHIN;
   const sides = joints.map(
-    (joint, i) => `${joint} rotation ±${shortNumber(within * deviations[i], 3)}°`,
+    (joint, i) => `${joint} rotation ±${measured(within * deviations[i], 3)}°`,
   );
   if (joints.length === 1) return `95 % of the time: ${sides[0]}`;
   return `95 % ellipse of sway: ${sides.join(", ")}; correlation ${shortNumber(together, 2)}`;

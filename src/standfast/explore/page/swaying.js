@@ -13,13 +13,13 @@ const MIDDLE = [LEFT + WIDE / 2, TOP + TALL / 2];
 const HALVES = [WIDE / 2, TALL / 2];
 
 /** Make what shows sway; the function that is returned puts what is known of a person into it. */
-export function swayIn({ box, sentence, svg, table }) {
+export function swayIn({ box, sentence, svg, table, seen }) {
   const write = writer();
   let drawn = "";
   return (nerves, answer, served, waiting) => {
     box.hidden = !nerves.noisy;
     if (box.hidden) return;
-    const shown = shownSway(nerves, answer, served, waiting);
+    const shown = shownSway(nerves, answer, served, waiting, seen);
     write(sentence, shown.sentence);
     showTable(table, shown.rows, write);
     const key = JSON.stringify(shown.picture);

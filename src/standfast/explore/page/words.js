@@ -1,5 +1,5 @@
 /** The person in words and numbers; pure. */
-import { shortNumber, valueWords, withUnit } from "./content.js";
+import { measured, measuredUnit, shortNumber, valueWords } from "./content.js";
 import { JOINTS } from "./facts.js";
 
 /** The verdict in one or two sentences. */
@@ -13,14 +13,14 @@ export function verdictWords(facts, fedBack, nerves) {
 function movement({ stands, modes }) {
   const size = Math.sqrt(Math.abs(modes[0].eigenvalue));
   return stands
-    ? `Its least stable movement sways at ${shortNumber(size / (2 * Math.PI), 3)} Hz`
-    : `The lean doubles in ${shortNumber(Math.LN2 / size, 3)} s`;
+    ? `Its least stable movement sways at ${measured(size / (2 * Math.PI), 3)} Hz`
+    : `The lean doubles in ${measured(Math.LN2 / size, 3)} s`;
 }
 
 function multiple({ stands, factor }) {
-  if (stands) return `all stiffness could be divided by ${shortNumber(factor, 3)}`;
+  if (stands) return `all stiffness could be divided by ${measured(factor, 3)}`;
   return factor > 0
-    ? `all stiffness must be multiplied by ${shortNumber(1 / factor, 3)}`
+    ? `all stiffness must be multiplied by ${measured(1 / factor, 3)}`
     : "no multiple of this stiffness suffices";
 }
 
@@ -31,9 +31,9 @@ function fedBackWords(facts, fedBack, nerves) {
   const parts = [`${fedBack.stands ? "Stands" : "Falls"} with ${by}.`];
   if (nerves.gained) parts.push(delayWords(fedBack));
   const [re, im] = fedBack.rightmost_root ?? [Number.NaN, 0];
-  const time = shortNumber(Math.LN2 / Math.abs(re), 3);
+  const time = measured(Math.LN2 / Math.abs(re), 3);
   if (re !== 0 && im > 0) {
-    const sway = `A sway at ${shortNumber(im / (2 * Math.PI), 3)} Hz`;
+    const sway = `A sway at ${measured(im / (2 * Math.PI), 3)} Hz`;
     parts.push(re < 0 ? `${sway} halves in ${time} s.` : `${sway} grows, doubling in ${time} s.`);
   } else if (re !== 0 && !Number.isNaN(re)) {
     parts.push(`The lean ${re < 0 ? "halves" : "doubles"} in ${time} s.`);
@@ -49,7 +49,7 @@ function delayWords({ stands, critical_delay: critical, delay_margin: margin }) 
   if (critical === 0) return stands ? "" : "Falls without any delay already.";
   if (critical === Number.POSITIVE_INFINITY) return "No delay ends it.";
   const later = stands && margin <= 0 ? " (a later window of standing)" : "";
-  return `Critical delay ${withUnit(critical, "s")}, margin ${withUnit(margin, "s", 3)}${later}.`;
+  return `Critical delay ${measuredUnit(critical, "s")}, margin ${measuredUnit(margin, "s", 3)}${later}.`;
 }
 
 /** Why no movement is shown. */
@@ -79,7 +79,7 @@ export function jointRows(facts) {
     const [own, needed] = [facts.own[i], facts.thresholds[i]];
     const has = own === Number.POSITIVE_INFINITY ? "rigid" : shortNumber(own);
     const needs = Number.isFinite(needed)
-      ? `needs ${shortNumber(needed)}`
+      ? `needs ${measured(needed)}`
       : "cannot make up for the others";
     const soft = !(own > needed) && Number.isFinite(needed) ? " – too soft" : "";
     return { joint, own, needed, holds: own > needed, words: `${has}, ${needs}${soft}` };
@@ -97,22 +97,27 @@ export function marginRows(facts, fedBack, nerves) {
     const size = Math.sqrt(Math.abs(eigenvalue));
     const ratio = (i) => (turns[0] === 0 ? Number.POSITIVE_INFINITY : turns[i] / turns[0]);
     rows.push(
-      ["Safety factor", withUnit(facts.factor, "1")],
-      ["Stiffness reserve", withUnit(facts.reserve, "N·m/rad")],
+      ["Safety factor", measuredUnit(facts.factor, "1")],
+      ["Stiffness reserve", measuredUnit(facts.reserve, "N·m/rad")],
       eigenvalue > 0
-        ? ["Frequency", withUnit(size / (2 * Math.PI), "Hz")]
-        : ["Growth rate of the fall", withUnit(size, "1/s")],
-      ["Hip per ankle rotation", withUnit(ratio(2), "1", 3)],
-      ["Knee per ankle rotation", withUnit(ratio(1), "1", 3)],
+        ? ["Frequency", measuredUnit(size / (2 * Math.PI), "Hz")]
+        : ["Growth rate of the fall", measuredUnit(size, "1/s")],
+      ["Hip per ankle rotation", measuredUnit(ratio(2), "1")],
+      ["Knee per ankle rotation", measuredUnit(ratio(1), "1")],
     );
   }
   if (!fedBack) return rows;
   rows.push([nerves.gained ? "With feedback" : "With damping", ""]);
   const known = (value) => value !== null && value !== undefined && !Number.isNaN(value);
-  const add = (name, value, unit) => known(value) && rows.push([name, withUnit(value, unit)]);
-  add("Critical delay", fedBack.critical_delay, "s");
-  add("Delay margin", fedBack.delay_margin, "s");
-  add("Unstable roots", fedBack.unstable_roots, "1");
+  const add = (name, value, unit) => known(value) && rows.push([name, measuredUnit(value, unit)]);
+  if (nerves.gained) {
+    // of damping alone there is no delay
+    add("Critical delay", fedBack.critical_delay, "s");
+    add("Delay margin", fedBack.delay_margin, "s");
+  }
+  if (known(fedBack.unstable_roots)) {
+    rows.push(["Unstable roots", String(fedBack.unstable_roots)]);
+  }
   if (fedBack.rightmost_root) {
     const [re, im] = fedBack.rightmost_root;
     add("Decay rate", -re, "1/s");

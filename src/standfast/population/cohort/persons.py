@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from standfast.anthropometry.body import Body
+from standfast.anthropometry.tables import ANKLE_HEIGHT
 from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import ROUNDOFF, Scalar, Vector, namespace
@@ -27,9 +28,6 @@ from standfast.stability.modes import growth_rate_of, modes
 from standfast.stability.rounding import near_threshold, rounding_decides
 from standfast.stability.springs import critical_stiffness, verdict
 
-# The sole and the ankle: what of stature lies below the ankle, in the body models' source
-# (Winter, ankle height 0.039 of stature).
-BELOW_ANKLE = 0.039
 # Of a stiffness that is a multiple of a load: 5 roundings of the load and one of the product.
 OF_MULTIPLES = 6.0 * ROUNDOFF
 
@@ -192,7 +190,7 @@ def _scattered(
     thigh = 1.0 + thigh_sd * (r * given["shank"] + xp.sqrt(1.0 - r**2) * given["thigh"])
     legs = body.segment_length
     longer = legs[0] * (shank - 1.0) + legs[1] * (thigh - 1.0)
-    upper = 1.0 - longer / (height * (1.0 - BELOW_ANKLE) - legs[0] - legs[1])
+    upper = 1.0 - longer / (height * (1.0 - ANKLE_HEIGHT) - legs[0] - legs[1])
     stretch = xp.stack([shank, thigh, upper])
     return body._replace(
         segment_inertia=body.segment_inertia * stretch**2,

@@ -3,14 +3,12 @@
 An answer has the shape (persons,), or (persons, delays) where it depends on the delay.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import get_args
 
 import numpy as np
 
-from standfast.stability.delay.problem import Whom
 from standfast.stability.delay.table import Crossings
 
 
@@ -19,19 +17,24 @@ class FedBack:
     """Persons with delayed feedback: their crossings, the delays that are asked, their roots.
 
     ``find_roots`` gives the rightmost root of each person at each delay, (persons, delays), and
-    whether it is proven; it is asked once, and only by who needs it. ``variance`` gives the
-    integral of a row of the densities of sway, (persons, delays).
+    whether it is proven; ``find_variances`` the integrals of rows of the densities of sway,
+    (persons, delays) each. Both are asked once, and only by who needs them.
     """
 
     crossings: Crossings
     delays: np.ndarray
     find_roots: Callable[[], tuple[np.ndarray, np.ndarray]]
-    variance: Callable[[int], np.ndarray]
+    find_variances: Callable[[], Mapping[int, np.ndarray]]
 
     @cached_property
     def roots(self) -> np.ndarray:
         """Rightmost roots (1/s), imaginary part ≥ 0."""
         return self.find_roots()[0]
+
+    @cached_property
+    def variances(self) -> Mapping[int, np.ndarray]:
+        """Integrals of densities by row."""
+        return self.find_variances()
 
 
 def stands(asked: FedBack) -> np.ndarray:
@@ -72,18 +75,3 @@ def damping_ratio(asked: FedBack) -> np.ndarray:
     ratio: np.ndarray = -asked.roots.real / np.where(size > 0.0, size, 1.0)
     # with three rigid joints nothing moves, and all motion has died out at once
     return np.where(np.isinf(size), 1.0, ratio)
-
-
-# Of whom an answer needs the crossings, if not of everybody.
-OF_WHOM: dict[Callable[[FedBack], np.ndarray], Whom] = {
-    critical_delay: "who stands at once",
-    delay_margin: "who stands at once",
-    stands: "who may stand",
-}
-
-
-def of_whom(answers: Iterable[Callable[[FedBack], np.ndarray] | None]) -> Whom:
-    """Return of whom some answers together need the crossings."""
-    few_to_all: tuple[Whom, ...] = get_args(Whom)
-    needs = [OF_WHOM.get(answer, "everybody") if answer else "everybody" for answer in answers]
-    return max(needs, key=few_to_all.index)

@@ -4,8 +4,8 @@ Each function takes the :class:`Problem` that is the same for all persons of a b
 with the persons last. Whoever has them compiled hands them in as ``apply``.
 """
 
-from collections.abc import Callable
-from typing import Any, Literal, NamedTuple, TypeAlias
+from collections.abc import Callable, Iterable
+from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
 
@@ -45,6 +45,13 @@ class Problem(NamedTuple):
 # Of whom crossings are wanted, from few to all. Real roots cross at 0 alone, so that an odd number
 # of roots to the right stays odd: such a person stands at no delay.
 Whom: TypeAlias = Literal["who stands at once", "who may stand", "everybody"]
+
+
+def most_of(needs: Iterable[Whom]) -> Whom:
+    """Return of whom crossings are wanted where several needs are to be met."""
+    few_to_all: tuple[Whom, ...] = get_args(Whom)
+    return max(needs, key=few_to_all.index)
+
 
 Apply: TypeAlias = Callable[..., Any]
 

@@ -13,7 +13,7 @@ def deviation(row: int) -> Callable[[FedBack], np.ndarray]:
     """Return the answer that is the root of a variance, ``row`` of the densities."""
 
     def found(asked: FedBack) -> np.ndarray:
-        size: np.ndarray = np.sqrt(asked.variance(row))
+        size: np.ndarray = np.sqrt(asked.variances[row])
         return size
 
     return found
@@ -24,8 +24,8 @@ def mean_frequency(asked: FedBack) -> np.ndarray:
 
     It is NaN of who falls, and where nothing sways.
     """
-    size = asked.variance(COP)
+    size = asked.variances[COP]
     sways = np.isfinite(size) & (size > 0.0)
-    times_omega = np.where(sways, asked.variance(COP_TIMES_OMEGA), np.nan)
+    times_omega = np.where(sways, asked.variances[COP_TIMES_OMEGA], np.nan)
     frequency: np.ndarray = times_omega / (TURN * np.where(sways, size, 1.0))
     return frequency

@@ -15,8 +15,9 @@ part, ω angular frequency (rad/s), q rotations of ankle, knee and hip (rad).
 
 from typing import NamedTuple
 
-from standfast.numerics.arrays import TURN, Array, Scalar, namespace
+from standfast.numerics.arrays import TURN, Array, Scalar
 from standfast.numerics.complex_pairs import Complex, along, less, plus, square_of, times
+from standfast.numerics.trigonometry import cosine_and_sine
 
 # A Butterworth filter of the second order, forth and back, at 10 Hz: what Santos & Duarte (PeerJ 4
 # (2016) e2648) put recordings of force plates through. Its gain is 1/(1 + (f/10 Hz)⁴).
@@ -54,8 +55,7 @@ class Swaying(NamedTuple):
 
 def densities(swaying: Swaying, omega: Scalar, phase: Scalar) -> list[Scalar]:
     """Return all rows of densities at an angular frequency ω, with the phase ωτ of the feedback."""
-    xp = namespace(omega, phase)
-    forces = _forces(swaying.numbers, omega, xp.cos(phase), xp.sin(phase))
+    forces = _forces(swaying.numbers, omega, *cosine_and_sine(phase))
     adjugate, scale = _inverse(_matrix(swaying, omega, forces))
     found = [
         scale * sum(swaying.noise[k] * along(adjugate[i][k], adjugate[j][k]) for k in range(3))
@@ -78,9 +78,8 @@ def densities(swaying: Swaying, omega: Scalar, phase: Scalar) -> list[Scalar]:
 
 def characteristic(swaying: Swaying, omega: Scalar) -> Scalar:
     """Return det H⁻¹ at iω, a complex number: near a pole of H its angle turns by π."""
-    xp = namespace(omega)
-    phase = omega * swaying.delay
-    matrix = _matrix(swaying, omega, _forces(swaying.numbers, omega, xp.cos(phase), xp.sin(phase)))
+    turned = cosine_and_sine(omega * swaying.delay)
+    matrix = _matrix(swaying, omega, _forces(swaying.numbers, omega, *turned))
     determinant = _product(matrix[0], [_minor(matrix, 0, j) for j in range(3)])
     return determinant.re + 1j * determinant.im
 

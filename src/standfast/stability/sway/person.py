@@ -17,8 +17,8 @@ from standfast.numerics.arrays import TURN, Array, Scalar
 from standfast.parameters import JOINTS, PARAMETERS, STANDARD_GRAVITY, checked_number
 from standfast.stability.feedback import is_stable, numbers_of
 from standfast.stability.sway.density import COM, COP, PAIRS, Swaying, densities
-from standfast.stability.sway.integral import integral
-from standfast.stability.sway.persons import damped, swaying_of, variance
+from standfast.stability.sway.integral import integrals
+from standfast.stability.sway.persons import damped, swaying_of, variances
 
 WRITE = "of feedback write feedback=Feedback(proportional=…, derivative=…, delay=…)"
 EXACT = 1e-10  # relative, of what is asked of one person
@@ -106,15 +106,22 @@ def sway_covariance(
         return np.where(free[:, None] & free, np.inf, 0.0)
     found = np.zeros((3, 3))
     # variances first: what of a covariance is small is so beside them
-    for row, (i, j) in sorted(enumerate(PAIRS), key=lambda each: each[1][1] - each[1][0]):
-        size = None if i == j else np.sqrt(found[i, i] * found[j, j])[None]
-        moved = (swaying.noise > 0.0).any() and (size is None or size[0] > 0.0)
-        if not moved or np.isinf(stiffness.joints[i]) or np.isinf(stiffness.joints[j]):
+    for across in (False, True):
+        deviations = np.sqrt(found.diagonal())
+        places = [
+            (row, i, j)
+            for row, (i, j) in enumerate(PAIRS)
+            if (i != j) == across and (not across or deviations[i] * deviations[j] > 0.0)
+            and not np.isinf([stiffness.joints[i], stiffness.joints[j]]).any()
+        ]  # fmt: skip
+        if not places or not swaying.noise.any():
             continue
-        value, sure = integral(row, swaying, accuracy=EXACT, size=size)
-        if not sure[0]:
+        rows, first, second = map(np.array, zip(*places, strict=True))
+        sizes = (deviations[first] * deviations[second])[:, None] if across else None
+        values, sure = integrals(tuple(rows), swaying, accuracy=EXACT, sizes=sizes)
+        if not sure.all():
             raise ArithmeticError("the person is too near to falling to say how much it sways")
-        found[i, j] = found[j, i] = value[0]
+        found[first, second] = found[second, first] = values[:, 0]
     return found
 
 
@@ -134,8 +141,11 @@ def sway_integrals(
     """
     swaying, stands, ends = _swaying(body, stiffness, gravity, damping, feedback, noise)
     settles = np.array([stands and ends])
-    found = (variance(row, swaying, settles, accuracy=EXACT) for row in rows)
-    return [float(value[0]) if sure[0] else None for value, sure in found]
+    found, sure = variances(tuple(rows), swaying, settles, accuracy=EXACT)
+    return [
+        float(value) if known else None
+        for value, known in zip(found[:, 0], sure[:, 0], strict=True)
+    ]
 
 
 @says_its_arguments(WRITE)

@@ -8,7 +8,8 @@ import numpy as np
 from standfast.numerics.arrays import Array
 from standfast.stability.delay.problem import Apply, directly
 from standfast.stability.sway.density import Swaying
-from standfast.stability.sway.integral import ACCURACY, integral
+from standfast.stability.sway.integral import ACCURACY, integrals
+from standfast.stability.sway.nodes import Rows
 
 JOINTS = range(3)
 # What stands for a rigid joint in A, B, C, P and D: (1 + s)², never 0 on the axis.
@@ -79,23 +80,25 @@ def damped(numbers: np.ndarray, rigid: np.ndarray, delay: np.ndarray) -> np.ndar
     return found
 
 
-def variance(
-    row: int,
+def variances(
+    rows: Rows,
     swaying: Swaying,
     settles: np.ndarray,
     *,
     accuracy: float = ACCURACY,
     apply: Apply = directly,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the integral of a row of densities, and whether it is that accurate.
+    """Return the integrals of rows of densities, and whether each is that accurate.
 
-    It is infinite of whom motion does not ``settle``, because they fall or are not :func:`damped`,
-    if noise moves anything of them.
+    Both are (rows, persons); rows that are asked together cost little more than one. They are
+    infinite of whom motion does not ``settle``, because they fall or are not :func:`damped`, if
+    noise moves anything of them.
     """
     moved = (swaying.noise > 0.0).any(axis=0)
-    found, sure = np.where(moved, np.inf, 0.0), np.ones(settles.size, bool)
+    found = np.tile(np.where(moved, np.inf, 0.0), (len(rows), 1))
+    sure = np.ones(found.shape, bool)
     who = np.flatnonzero(moved & settles)
     if who.size:
         some = Swaying(*(each.take(who, axis=-1) for each in swaying))
-        found[who], sure[who] = integral(row, some, accuracy=accuracy, apply=apply)
+        found[:, who], sure[:, who] = integrals(rows, some, accuracy=accuracy, apply=apply)
     return found, sure

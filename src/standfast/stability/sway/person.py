@@ -104,6 +104,11 @@ def sway_covariance(
     if not (stands and ends):
         free = np.isfinite(np.array(stiffness.joints, float))
         return np.where(free[:, None] & free, np.inf, 0.0)
+    return _covariance(swaying, stiffness)
+
+
+def _covariance(swaying: Swaying, stiffness: Stiffness) -> Array:
+    """Return the covariance of one person who stands."""
     found = np.zeros((3, 3))
     # variances first: what of a covariance is small is so beside them
     for across in (False, True):

@@ -4,6 +4,7 @@
 #   make population Monte Carlos of US adults into results/us-adults/ and results/us-adults-feedback/
 #   make test       set up, then run the tests
 #   make check      format, lint, types, tests
+#   make docs       the documentation into docs/_build/html (about two minutes)
 #   make bench      every benchmark, and results/benchmarks/README.md (about twenty minutes)
 #   make reproduce  the 2007 paper, number by number
 #   make check-all  make check on every Python from 3.11 on that is at hand
@@ -15,7 +16,7 @@ BIN := $(VENV)/bin
 PYTHONS := 3.11 3.12 3.13 3.14
 PAGE := $(wildcard src/standfast/explore/page/*.js)
 
-.PHONY: atlas feedback population test check bench reproduce check-all man dist format clean
+.PHONY: atlas feedback population test check docs bench reproduce check-all man dist format clean
 .DELETE_ON_ERROR:
 
 atlas: $(VENV)/run.stamp
@@ -53,8 +54,14 @@ check: $(VENV)/check.stamp
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+	$(BIN)/codespell
 	$(if $(PAGE),$(BIN)/biome ci --error-on-warnings $(PAGE))
 	$(MAKE) test
+
+docs: $(VENV)/docs.stamp
+	rm -rf docs/_build docs/copied docs/gallery docs/reference/generated
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet \
+	  -b html -d docs/_build/doctrees docs docs/_build/html
 
 # Each Python has an environment of its own, which is kept; what is not at hand is said.
 check-all:
@@ -97,6 +104,10 @@ format: $(VENV)/check.stamp
 
 $(VENV)/bench.stamp: $(VENV)/test.stamp
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test,bench]'
+	@touch $@
+
+$(VENV)/docs.stamp: $(VENV)/run.stamp
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[docs]'
 	@touch $@
 
 clean:

@@ -19,10 +19,20 @@ from standfast.study import grid
 from studies import GOOD, toml_of
 
 ROOT = Path(__file__).parents[1]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+DOCS = ROOT / "docs"
+SECTIONS = ("how-to", "reference", "explanation")
+PAGES = [
+    ROOT / "README.md",
+    *sorted(DOCS.glob("*.md")),
+    *sorted(page for folder in SECTIONS for page in DOCS.glob(f"{folder}/*.md")),
+]
 RUN_ELSEWHERE = {"in-python.md"}  # tests/test_docs.py, which compares its numbers too
 LINK = re.compile(r"\]\(([^)#\s]*)(?:#([^)\s]*))?\)")
 HEADING = re.compile(r"^#+ (.*)$", re.MULTILINE)
+
+
+def page_id(page: Path) -> str:
+    return str(page.relative_to(ROOT))
 
 
 def an_atlas(name: str) -> None:
@@ -82,7 +92,7 @@ def desk(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "page", [page for page in PAGES if page.name not in RUN_ELSEWHERE], ids=lambda page: page.name
+    "page", [page for page in PAGES if page.name not in RUN_ELSEWHERE], ids=page_id
 )
 def test_a_page_runs(page, desk, capsys):
     for name, make in GIVEN.get(page.name, {}).items():
@@ -97,7 +107,7 @@ def anchors(path: Path) -> set[str]:
     return {word.replace(" ", "-") for word in words}
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=page_id)
 def test_a_page_leads_to_what_is_there(page):
     text = page.read_text("utf-8")
     for target, anchor in LINK.findall(text):
@@ -113,6 +123,8 @@ WRONG = {
     "a command that is refused": ("sh", "standfast person --height 175", "height"),
     "a line that is not printed": ("console", "$ standfast laws\nno-such-law", "no-such-law"),
     "a key that is not known": ("toml", "[body]\nheigth = 1.7\nmass = 70", "heigth"),
+    "a cell that fails": ("{code-cell}", ":tags: [x]\n1 / 0", "division"),
+    "a command in a cell": ("{code-cell}", "%%sh\nstandfast sweep no.toml", "no.toml"),
     "python that fails": ("python", "1 / 0", "division"),
 }
 

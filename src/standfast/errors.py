@@ -11,7 +11,17 @@ T = TypeVar("T")
 
 
 class InputError(ValueError):
-    """Something a user gave is wrong; the message is one sentence that says what would be right."""
+    """Something a user gave is wrong; the message is one sentence that says what would be right.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> try:
+    ...     sf.Body.from_height_mass(175, 70)
+    ... except sf.InputError as error:
+    ...     print(error)
+    height = 175 is outside the allowed range, 0.5 to 2.8 m; 175 looks like centimetres, write 1.75
+    """
 
 
 class UnknownNameError(InputError, KeyError):

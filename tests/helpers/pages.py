@@ -3,6 +3,8 @@
 ``python`` runs, all blocks of a page one after another; ``toml`` is a study or a part of one, and
 is written where the words before it name a file; of ``sh`` and ``console`` every line that calls
 standfast runs in this process, and the lines that follow one in ``console`` are printed by it.
+A cell of a notebook is python, a file that it writes, or lines of a shell, as its first line says;
+one that shows its output alone is left out.
 An HTML comment ``<!-- skip: next -->`` leaves out the block that follows, and is not seen.
 """
 
@@ -10,12 +12,13 @@ import copy
 import re
 import shlex
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from sybil import Document, Example, Sybil
+from sybil import Document, Example, Region, Sybil
 from sybil.evaluators.python import PythonEvaluator
 from sybil.parsers.markdown import CodeBlockParser, SkipParser
+from sybil.parsers.myst.lexers import DirectiveLexer
 
 from populations import GOOD as A_POPULATION
 from standfast.cli.app import main
@@ -36,6 +39,7 @@ def run_page(path: Path, capsys) -> None:
         CodeBlockParser("toml", read_study),
         CodeBlockParser("sh", shell),
         CodeBlockParser("console", shell),
+        Cells(shell),
     ]
     for example in Sybil(parsers).parse(path).examples():
         example.evaluate()
@@ -69,6 +73,29 @@ def file_of(document: Document, start: int) -> str | None:
     return names[-1] if names else None
 
 
+class Cells:
+    """Finds the cells of a page that is a notebook, and runs them."""
+
+    def __init__(self, shell):
+        self.shell = shell
+        self.python = PythonEvaluator()
+
+    def __call__(self, document: Document) -> Iterable[Region]:
+        for region in DirectiveLexer("code-cell")(document):
+            if "remove-input" not in region.lexemes["options"].get("tags", ""):
+                region.parsed, region.evaluator = region.lexemes["source"], self.run
+                yield region
+
+    def run(self, example: Example) -> None:
+        magic, _, text = example.parsed.partition("\n")
+        if magic.startswith("%%writefile "):
+            Path(magic.split()[1]).write_text(text, encoding="utf-8")
+        elif magic == "%%sh":
+            self.shell.run(text, place(example))
+        else:
+            self.python(example)
+
+
 class Shell:
     """Runs the lines of a block that call standfast, and looks for what they print."""
 
@@ -76,14 +103,17 @@ class Shell:
         self.capsys = capsys
 
     def __call__(self, example: Example) -> None:
-        for command, printed in commands_of(example.parsed):
+        self.run(example.parsed, place(example))
+
+    def run(self, text: str, where: str) -> None:
+        for command, printed in commands_of(text):
             self.capsys.readouterr()
             code = main(shlex.split(command, comments=True)[1:])
             out, err = self.capsys.readouterr()
             if code != 0:
-                raise AssertionError(f"{place(example)}: {command}\n{err}")
+                raise AssertionError(f"{where}: {command}\n{err}")
             if (missing := not_printed(printed, out)) is not None:
-                raise AssertionError(f"{place(example)}: {command}\nnot printed: {missing}\n{out}")
+                raise AssertionError(f"{where}: {command}\nnot printed: {missing}\n{out}")
 
 
 def commands_of(text: str) -> Iterator[tuple[str, list[str]]]:

@@ -57,6 +57,20 @@ class Body(_BodyFields):
     ------
     InputError
         for a wrong number of segments, text, NaN, or a value that no body has.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body(
+    ...     segment_mass=(5.6, 14.2, 46.8),
+    ...     segment_inertia=(0.085, 0.24, 2.72),
+    ...     segment_length=(0.385, 0.405),
+    ...     segment_com=(0.22, 0.235, 0.344),
+    ... )
+    >>> float(body.segment_mass.sum())
+    66.6
+    >>> sf.is_stable(body, sf.Stiffness(900, 1500, 400))
+    False
     """
 
     __slots__ = ()
@@ -88,6 +102,12 @@ class Body(_BodyFields):
         """Return the nominal person of Gait & Posture 25 (2007) 432-439: 75.3 kg, 1.753 m.
 
         Values as listed in the paper's nomenclature (after Chaffin & Andersson 1984).
+
+        Examples
+        --------
+        >>> import standfast as sf
+        >>> sf.Body.edwards2007().segment_mass
+        array([ 6.478, 15.059, 51.648])
         """
         return REFERENCE_PEOPLE["edwards2007"].body
 
@@ -102,6 +122,13 @@ class Body(_BodyFields):
         ------
         InputError
             for a model that is not known, or a height or mass out of range.
+
+        Examples
+        --------
+        >>> import standfast as sf
+        >>> body = sf.Body.from_height_mass(1.80, 80.0, model="de-leva-male")
+        >>> body.segment_length.round(3)
+        array([0.455, 0.436])
         """
         reference = REFERENCE_PEOPLE[checked_choice("body_model", model)]
         size = {"height": checked_scalar("height", height), "mass": checked_scalar("mass", mass)}

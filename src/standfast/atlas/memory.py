@@ -39,6 +39,21 @@ def compute(study: GivenStudy, *, threads: int | None = None) -> "xarray.Dataset
     InputError
         if threads is no number of them, xarray is not installed (the extra ``standfast[xarray]``),
         or a quantity of one's own is not one number a person.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> study = {
+    ...     "body": {"height": 1.66, "mass": 68},
+    ...     "stiffness": {"ankle": [800, 900], "knee": 1500, "hip": [300, 400, 500]},
+    ...     "output": {"quantities": ["stable", "safety_factor"]},
+    ... }
+    >>> ds = sf.compute(study)
+    >>> ds.stable.values
+    array([[0, 0, 1],
+           [0, 1, 1]], dtype=uint8)
+    >>> float(ds.safety_factor.sel(ankle_stiffness=900, hip_stiffness=400).round(3))
+    1.05
     """
     try:
         import xarray  # noqa: PLC0415 - an extra

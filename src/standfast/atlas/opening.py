@@ -18,6 +18,18 @@ def open_atlas(path: str | Path) -> Atlas:
     InputError
         if there is no such file, or it is not HDF5, not an atlas, of another format version, or
         does not hold what its study says.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> study = {
+    ...     "body": {"height": [1.6, 1.7], "bmi": 24},
+    ...     "stiffness": {"ankle": 900, "knee": 1500, "hip": 400},
+    ...     "output": {"quantities": ["safety_factor"]},
+    ... }
+    >>> atlas = sf.sweep(study, "heights.h5")
+    >>> sf.open_atlas("heights.h5")["safety_factor"][:].round(3)
+    array([1.205, 1.005])
     """
     path = checked_path("path", path)
     with opened(path) as file:

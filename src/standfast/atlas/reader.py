@@ -32,6 +32,20 @@ class Atlas(Mapping[str, "Variable"]):
     ----------
     path, study, version
         the file, what it was computed from, and by which standfast.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> study = {
+    ...     "body": {"height": 1.66, "mass": 68},
+    ...     "stiffness": {"ankle": [800, 900], "knee": 1500, "hip": [300, 400, 500]},
+    ...     "output": {"quantities": ["stable", "safety_factor"]},
+    ... }
+    >>> with sf.sweep(study, "example.h5") as atlas:
+    ...     print(atlas.quantities, list(atlas.axes))
+    ...     print(atlas["stable"].dims, atlas["stable"][1])
+    ('stable', 'safety_factor') ['ankle_stiffness', 'hip_stiffness']
+    ('ankle_stiffness', 'hip_stiffness') [0 1 1]
     """
 
     def __init__(self, path: Path, study: Study, version: str) -> None:
@@ -87,7 +101,21 @@ class Atlas(Mapping[str, "Variable"]):
 
     @contextmanager
     def file(self) -> Iterator[h5py.File]:
-        """Give the open file; say in one sentence if it is broken."""
+        """Give the open file; say in one sentence if it is broken.
+
+        Examples
+        --------
+        >>> import standfast as sf
+        >>> study = {
+        ...     "body": {"height": 1.66, "mass": 68},
+        ...     "stiffness": {"ankle": [800, 900], "knee": 1500, "hip": [300, 400, 500]},
+        ...     "output": {"quantities": ["stable", "safety_factor"]},
+        ... }
+        >>> atlas = sf.sweep(study, "example.h5")
+        >>> with atlas.file() as file:
+        ...     print(file["safety_factor"].attrs["long_name"])
+        b'safety factor'
+        """
         if self._open is not None:
             with one_sentence(self.path):
                 yield self._open
@@ -102,6 +130,18 @@ class Atlas(Mapping[str, "Variable"]):
         ------
         InputError
             if xarray or h5netcdf is not installed.
+
+        Examples
+        --------
+        >>> import standfast as sf
+        >>> study = {
+        ...     "body": {"height": 1.66, "mass": 68},
+        ...     "stiffness": {"ankle": [800, 900], "knee": 1500, "hip": [300, 400, 500]},
+        ...     "output": {"quantities": ["stable", "safety_factor"]},
+        ... }
+        >>> ds = sf.sweep(study, "example.h5").to_xarray()
+        >>> ds.stable.sel(ankle_stiffness=900).values
+        array([0, 1, 1], dtype=uint8)
         """
         try:
             import h5netcdf  # noqa: F401, PLC0415 - an extra, which xarray reads with

@@ -82,17 +82,29 @@ def sweep(
     OSError
         if the disk fills up after all, or workers fail again and again; what is done stays and the
         same call goes on.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> atlas = sf.sweep("study.toml", "study.h5")
+    >>> atlas["stable"].dims, atlas["stable"].shape
+    (('ankle_stiffness', 'hip_stiffness'), (2, 3))
     """
     options = checked_options(part, threads, progress, estimate, executor)
     path = checked_path("output", output)
     study = Study.of(study)
     check_own(study)
-    if executor is not None and (own := own_quantities(study)):
+    if executor is not None:
+        _refuse_own(study)
+    return run_job(_Sweep(study), path, part, options)
+
+
+def _refuse_own(study: Study) -> None:
+    if own := own_quantities(study):
         raise InputError(
             f"{own[0]} is a quantity of your own, which workers of an executor do not know; "
             "leave out executor (part = (i, N) shares a sweep among programs that add it)"
         )
-    return run_job(_Sweep(study), path, part, options)
 
 
 def sweep_shards(

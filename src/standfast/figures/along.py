@@ -74,6 +74,13 @@ def curves_of(
     ------
     InputError
         for an unknown name, a value beyond its axis, or a quantity without an axis.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> ax = sf.plot.curves("atlas.h5", "critical_ankle_stiffness", at={"knee": 2000})
+    >>> ax.get_xlabel()
+    'Hip stiffness $K_h$ (N·m/rad)'
     """
     atlas = atlas_in(atlas)
     index = slice_of([atlas.study], at).index
@@ -102,7 +109,7 @@ def locus_of(
     axes
         three axes to draw into (default: those of a new figure of pyplot).
     at
-        values of axes by name, as of :func:`curves_of`.
+        values of axes by name, as of :func:`standfast.plot.curves`.
 
     Returns
     -------
@@ -112,6 +119,13 @@ def locus_of(
     ------
     InputError
         if the atlas holds no rightmost root along the delay, or for a wrong name or value.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> real, imaginary, plane = sf.plot.locus("root-locus.h5")
+    >>> plane.get_xlabel()
+    'Real part (1/s)'
     """
     atlas = atlas_in(atlas)
     index = slice_of([atlas.study], at).index

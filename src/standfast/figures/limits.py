@@ -62,8 +62,7 @@ def limits(
 
     A curve is drawn for each value of one axis: the delay, the knee's stiffness, the body model, or
     ``overlay``. The person stands in what is shaded, darker with more of the curves. With springs
-    alone the limit is exact; with feedback it lies as near as the atlas shows
-    (:mod:`standfast.thresholds.regions`).
+    alone the limit is exact; with feedback it lies as near as the atlas shows.
 
     Parameters
     ----------
@@ -89,6 +88,12 @@ def limits(
     InputError
         for an unknown name, a value beyond its axis, atlases that share no plane, or a subject who
         names none of the two axes.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> sf.plot.limits("atlas.h5", mark={"ankle": 900, "hip": 400, "id": "S1"}).get_xlabel()
+    'Ankle stiffness $K_a$ (N·m/rad)'
     """
     opened = atlases_in(atlases)
     studies = [atlas.study for atlas in opened]
@@ -101,9 +106,8 @@ def limits(
     marking.warn_of(ax, subjects, plan.axes)
     x, y = (PARAMETERS[name].label for name in plan.axes)
     ax.set(xlabel=x, ylabel=y)
-    values = {
-        name: studies[0].axes[name][i] for name, i in index.items() if name in studies[0].axes
-    }
+    axes = studies[0].axes
+    values = {name: axes[name][i] for name, i in index.items() if name in axes}
     set_title(ax, given_words(studies, values))
     return ax
 

@@ -91,9 +91,9 @@ def map_of(
     ax
         where to draw (default: new axes of a figure of pyplot).
     at
-        values of axes by name, as of :func:`.limits.limits`. Other axes are taken in their middle.
+        values of axes by name, as of :func:`.plot.limits`. Other axes are taken in their middle.
     mark
-        subjects to mark, as of :func:`.limits.limits`.
+        subjects to mark, as of :func:`standfast.plot.limits`.
     colorbar
         whether the axes get a bar of colours.
 
@@ -106,15 +106,16 @@ def map_of(
     InputError
         for an unknown name, a value beyond its axis, a quantity without a plane of two axes, or a
         subject who names none of the two.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> sf.plot.map("atlas.h5", "safety_factor", at={"knee": 2000}).get_xlabel()
+    'Ankle stiffness $K_a$ (N·m/rad)'
     """
     study = (atlas := atlas_in(atlas)).study
     cut = slice_of([study], at)
-    layout = layout_of(atlas, quantity, cut.index)
-    if layout is None:
-        raise InputError(
-            f"{quantity} has no two axes of at least {planes.LEAST_SIDE} values to be mapped on; "
-            "draw it with curves"
-        )
+    layout = _layout_to_draw(atlas, quantity, cut.index)
     subjects = marking.subjects_on(layout.axes, mark)
     index = {**middles(study, layout.panels), **cut.index}
     index = {name: i for name, i in index.items() if name in atlas[quantity].dims}
@@ -129,6 +130,16 @@ def map_of(
     if colorbar and shown is not None:
         add_bar([ax], shown, quantity, [panel])
     return ax
+
+
+def _layout_to_draw(atlas: Atlas, quantity: str, index: Mapping[str, int]) -> Layout:
+    layout = layout_of(atlas, quantity, index)
+    if layout is None:
+        raise InputError(
+            f"{quantity} has no two axes of at least {planes.LEAST_SIDE} values to be mapped on; "
+            "draw it with curves"
+        )
+    return layout
 
 
 def layout_of(atlas: Atlas, quantity: str, index: Mapping[str, int]) -> Layout | None:

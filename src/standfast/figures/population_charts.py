@@ -48,6 +48,13 @@ def risk_map(population: Population | str | Path, *, ax: Axes | None = None) -> 
     """Draw the fraction unstable over height and BMI, the highest dark; return the axes.
 
     Cells of fewer than ``FEWEST`` persons are hatched, those of nobody white.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> ax = sf.plot.risk_map("people.h5")
+    >>> ax.get_xlabel()
+    'Body mass index (kg/m²)'
     """
     population = population_in(population)
     ax = axes_for(ax)
@@ -86,6 +93,13 @@ def risk_by_multiple(population: Population | str | Path, *, ax: Axes | None = N
     """Draw the fraction unstable against the multiple of the law, one curve a joint.
 
     A joint that is rigid in all persons has none. Returns the axes.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> ax = sf.plot.risk_by_multiple("people.h5")
+    >>> ax.get_ylabel()
+    'Persons unstable'
     """
     population = population_in(population)
     ax = axes_for(ax)
@@ -115,7 +129,15 @@ def risk_by_multiple(population: Population | str | Path, *, ax: Axes | None = N
 
 
 def survival(population: Population | str | Path, *, ax: Axes | None = None) -> Axes:
-    """Draw the share of persons whose safety factor is higher than each value; return the axes."""
+    """Draw the share of persons whose safety factor is higher than each value; return the axes.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> ax = sf.plot.survival("people.h5")
+    >>> ax.get_xlabel()
+    'Safety factor $s$'
+    """
     population = population_in(population)
     ax = axes_for(ax)
     safety_factor, share = population.array("safety_factor"), population.array("survival")
@@ -139,6 +161,13 @@ def standing_by_delay(population: Population | str | Path, *, ax: Axes | None = 
 
     Of many classes the ``MOST_CLASSES`` of most persons are drawn, which the legend says. Returns
     the axes.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> ax = sf.plot.standing_by_delay("people-feedback.h5")
+    >>> ax.get_xlabel()
+    'Delay of the feedback (s)'
     """
     population = population_in(population)
     ax = axes_for(ax)
@@ -186,6 +215,13 @@ def drivers(population: Population | str | Path, output: str, *, ax: Axes | None
     ------
     InputError
         if the population has no such indices.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> ax = sf.plot.drivers("people.h5", "safety_factor")
+    >>> len(ax.get_yticks()) > 0
+    True
     """
     population = population_in(population)
     known = population.summary["drivers"]

@@ -39,6 +39,15 @@ def sway_spectrum(spectrum: Spectrum, *, axes: Sequence[Axes] | None = None) -> 
     ------
     InputError
         if the spectrum is no such one, nothing in it sways, or two axes are not given.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> law = sf.LAWS["pasma-2017"]
+    >>> spectrum = sf.sway_spectrum(**law.person, frequency=[0.1, 0.3, 1.0])
+    >>> rotations, centres = sf.plot.sway_spectrum(spectrum)
+    >>> centres.get_xlabel()
+    'Frequency (Hz)'
     """
     if not isinstance(spectrum, Spectrum):
         raise InputError(f"spectrum = {shortened(spectrum)}; give what sf.sway_spectrum returns")

@@ -65,6 +65,13 @@ class Feedback(_FeedbackFields):
     ------
     InputError
         for another shape, text, NaN, or a delay that is negative or in milliseconds.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> F = sf.Feedback(proportional=(900, 0, 0), derivative=(300, 0, 0), delay=0.1)
+    >>> float(F.proportional[0, 0]), F.delay
+    (900.0, 0.1)
     """
 
     __slots__ = ()

@@ -36,6 +36,14 @@ class Stiffness(_StiffnessFields):
     ------
     InputError
         for a negative stiffness of a joint, NaN or text.
+
+    Examples
+    --------
+    >>> import math
+    >>> import standfast as sf
+    >>> K = sf.Stiffness(ankle=950, knee=math.inf, hip=738, ankle_knee=30)
+    >>> K.joints
+    (950.0, inf, 738.0)
     """
 
     __slots__ = ()

@@ -18,7 +18,9 @@ from standfast.parameters import STANDARD_GRAVITY
 def inertia_matrix(body: Body) -> Array:
     """Return the inertia matrix A of the linearised equations A q̈ + C q = 0.
 
-    A = Tᵀ M T, with M of :func:`segment_inertia`.
+    A = Tᵀ M T, T = [[1, 0, 0], [1, 1, 0], [1, 1, 1]], and in segment angles
+    M = [[Is + ms es² + (mt + mb) hs², (mt et + mb ht) hs, mb hs eb],
+    [·, It + mt et² + mb ht², mb ht eb], [·, ·, Ib + mb eb²]].
 
     Returns
     -------
@@ -28,6 +30,14 @@ def inertia_matrix(body: Body) -> Array:
     ------
     InputError
         if it is not the body of one person.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> sf.inertia_matrix(sf.Body.edwards2007()).round(2)
+    array([[87.17, 55.19, 25.39],
+           [55.19, 36.11, 17.46],
+           [25.39, 17.46,  9.56]])
     """
     checked_body(body)
     return stacked(joint_inertia(body))
@@ -38,7 +48,8 @@ def stiffness_matrix(body: Body, stiffness: Stiffness, gravity: Scalar = STANDAR
 
     C = K − [[G1, G2, G3], [G2, G2, G3], [G3, G3, G3]]
     with K = [[Ka, Kak, Kah], [Kak, Kk, Kkh], [Kah, Kkh, Kh]] and
-    G1 = γs + γt + γb, G2 = γt + γb, G3 = γb of :func:`gravity_loads`.
+    G1 = γs + γt + γb, G2 = γt + γb, G3 = γb, where
+    γs = g (ms es + (mt + mb) hs), γt = g (mt et + mb ht), γb = g mb eb.
 
     Returns
     -------
@@ -48,6 +59,16 @@ def stiffness_matrix(body: Body, stiffness: Stiffness, gravity: Scalar = STANDAR
     ------
     InputError
         if gravity is out of range.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.from_height_mass(1.66, 68.0)
+    >>> K = sf.Stiffness(ankle=900, knee=1500, hip=400)
+    >>> sf.stiffness_matrix(body, K).round(1)
+    array([[ 296.6, -349.9, -135.3],
+           [-349.9, 1150.1, -135.3],
+           [-135.3, -135.3,  264.7]])
     """
     checked_person(body, stiffness, gravity)
     return stacked(stiffness_rows(body, stiffness, gravity))

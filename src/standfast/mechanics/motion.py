@@ -40,6 +40,14 @@ def potential_energy(
     ------
     InputError
         if gravity is out of range, or a motion is not of three joints.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.edwards2007()
+    >>> K = sf.Stiffness(950, 2000, 738)
+    >>> print(f"{sf.potential_energy(body, K, (0.1, 0, 0)):.2f} J")
+    1.09 J
     """
     checked_person(body, stiffness, gravity)
     _check_turns(rotation=rotation)
@@ -56,6 +64,13 @@ def kinetic_energy(body: Body, rotation: Vector, velocity: Vector) -> Scalar:
     """Return the kinetic energy at any posture and joint velocity (rad/s), in J.
 
     T = ½ Σ m (ẋ² + ż²) + ½ Σ I φ̇², with the velocity of each centre of mass written out.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.edwards2007()
+    >>> print(f"{sf.kinetic_energy(body, (0.1, 0, 0), (0.5, 0, 0)):.2f} J")
+    10.90 J
     """
     checked_body(body)
     _check_turns(rotation=rotation, velocity=velocity)
@@ -85,7 +100,7 @@ def joint_moments(
 ) -> Array:
     """Return the outer moments that a motion needs: the full nonlinear equations of motion.
 
-    In segment angles, with M of :func:`segment_inertia` and moments taken back by Tᵀ:
+    In segment angles, with M as of :func:`.inertia_matrix` and moments taken back by Tᵀ:
     Tᵀ [ Σj Mij cos(φi − φj) φ̈j + Σj Mij sin(φi − φj) φ̇j² − γi sin φi ] + K q = moments.
     Linearised about upright this is A q̈ + C q.
 
@@ -98,6 +113,14 @@ def joint_moments(
     ------
     InputError
         if gravity is out of range, or a motion is not of three joints.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body, K = sf.Body.edwards2007(), sf.Stiffness(950, 2000, 738)
+    >>> leaning, still = (0.1, 0, 0), (0, 0, 0)
+    >>> sf.joint_moments(body, K, leaning, still, still).round(1)
+    array([ 22. , -43.3, -18. ])
     """
     checked_person(body, stiffness, gravity)
     _check_turns(rotation=rotation, velocity=velocity, acceleration=acceleration)

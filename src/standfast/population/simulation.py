@@ -100,6 +100,21 @@ def simulate(
     OSError
         if the disk does not take it, or workers fail again and again; what is done stays and the
         same call goes on.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> study = {
+    ...     "population": {"builtin": "nhanes-2017-2018", "size": 2000, "seed": 1},
+    ...     "stiffness": {
+    ...         "ankle": {"distribution": "fixed", "relative_to": "mgh", "value": 1.2},
+    ...         "knee": {"distribution": "fixed", "value": float("inf")},
+    ...         "hip": {"distribution": "fixed", "value": 600},
+    ...     },
+    ... }
+    >>> population = sf.simulate(study, "adults.h5")
+    >>> print(f"{100 * population.summary['unstable_fraction']:.1f} % would fall")
+    2.8 % would fall
     """
     options = checked_options(part, threads, progress, estimate, executor)
     path, study = checked_path("output", output), _study_of(study)

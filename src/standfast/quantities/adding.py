@@ -54,14 +54,18 @@ def add_quantity(
     Raises
     ------
     InputError
-        if the name is taken or no name, also by another function of one's own, or something is of
-        another kind.
+        if the name is no name or taken, by one's own too, or something is of another kind.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> weight = lambda person: person.gravity * person.body.segment_mass.sum()
+    >>> sf.add_quantity("weight", weight, unit="N", meaning="weight above the ankles").label
+    'Weight (N)'
     """
     _check_name(name)
     _check_function(name, function)
-    for key, text in (("unit", unit), ("meaning", meaning), ("symbol", symbol)):
-        if not isinstance(text, str) or not text.isprintable():
-            raise InputError(f"{key} = {shortened(text)} is not one line of text")
+    _check_texts(unit=unit, meaning=meaning, symbol=symbol)
     if dtype not in DTYPES:
         raise InputError(f"dtype = {shortened(dtype)} is not one of {', '.join(DTYPES)}")
     _check_without(without)
@@ -71,6 +75,12 @@ def add_quantity(
     )  # fmt: skip
     QUANTITIES[name] = row
     return row
+
+
+def _check_texts(**texts: object) -> None:
+    for key, text in texts.items():
+        if not isinstance(text, str) or not text.isprintable():
+            raise InputError(f"{key} = {shortened(text)} is not one line of text")
 
 
 def _check_name(name: object) -> None:

@@ -20,6 +20,15 @@ class Person(NamedTuple):
 
     ``given`` holds all parameters by name, those that a study leaves out as plain numbers; of
     ``stiffness`` a joint on which a quantity does not depend is None.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> def weight(person):
+    ...     return person.gravity * person.body.segment_mass.sum()
+    >>> person = sf.Person(sf.Body.edwards2007(), sf.Stiffness(950, 2000, 738), 9.81, {})
+    >>> print(f"{weight(person):.1f} N")
+    717.9 N
     """
 
     body: Body
@@ -61,7 +70,7 @@ class Quantity:
     the sections of parameters, on which it does not depend; ``flags`` the meanings of 0, 1 and so
     on of a quantity of whole numbers.
 
-    ``fed_back`` answers it for persons with delayed feedback (:class:`.delay.answers.FedBack`), in
+    ``fed_back`` answers it for persons with delayed feedback (``FedBack``), in
     studies that have gains; a quantity without ``reference`` is found that way in every study. It
     needs the crossings of persons ``crossings_of``, and the ``variances`` of rows of the densities
     of sway: what quantities that are asked together need is found together.

@@ -64,10 +64,10 @@ class SwayMeasures(NamedTuple):
     mean_velocity : m/s
         path / T (Prieto: MVELO).
     mean_velocity_ap, mean_velocity_ml : m/s
-        Σ |Δx| / T of each direction.
+        Σ abs(Δx) / T of each direction.
     mean_frequency : Hz
         ∫ f (P_x + P_y) df / ∫ (P_x + P_y) df by trapezoids over all frequencies up to half the
-        rate, of :func:`cop_spectrum`. That of Prieto (MFREQ) is another: velocity / (2π distance).
+        rate, of Welch's spectrum. That of Prieto (MFREQ) is another: velocity / (2π distance).
     median_frequency : Hz
         below it lies half of ∫ (P_x + P_y) df (Prieto, from 0.15 to 5 Hz: 50 % power frequency).
     """
@@ -107,6 +107,17 @@ def sway_measures(recording: Recording, *, low_pass: float | None = None) -> Swa
     ------
     InputError
         if it is no recording, or the filter's frequency not between 0 and half of its rate.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import standfast as sf
+    >>> t = np.arange(6000) / 100                       # s
+    >>> ap = 0.004 * np.sin(2 * np.pi * 0.25 * t)       # m
+    >>> ml = 0.002 * np.cos(2 * np.pi * 0.25 * t)
+    >>> measures = sf.sway_measures(sf.Recording(ap, ml, rate=100.0))
+    >>> print(f"{1e3 * measures.sd_ap:.2f} mm, {measures.mean_frequency:.2f} Hz")
+    2.83 mm, 0.25 Hz
     """
     ap, ml = filtered(recording, low_pass)
     steps = np.diff(ap), np.diff(ml)

@@ -68,6 +68,13 @@ def read_recording(
     InputError
         if what a column holds, or its unit, is not clear, or what it holds is no recording of quiet
         standing (:class:`Recording`).
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> recording = sf.read_recording("recording.csv", unit="mm", rate=100)
+    >>> recording.duration, recording.rate
+    (59.99, 100.0)
     """
     where = checked_path("path", path)
     name = called(where) if str(where) == STANDARD_INPUT else str(where)

@@ -43,6 +43,17 @@ class Recording:
     InputError
         if it is no recording of quiet standing: shorter than 5 s, slower than 20 Hz, with missing
         samples, without any motion, or with a motion of metres or micrometres.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import standfast as sf
+    >>> t = np.arange(6000) / 100                       # s
+    >>> ap = 0.004 * np.sin(2 * np.pi * 0.25 * t)       # m
+    >>> ml = 0.002 * np.cos(2 * np.pi * 0.25 * t)
+    >>> recording = sf.Recording(ap, ml, rate=100.0)
+    >>> recording.duration
+    59.99
     """
 
     ap: Array

@@ -26,7 +26,19 @@ NO_FLOCK = {errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOLCK, errno.ENOSYS, 524}
 
 
 class BusyError(InputError):
-    """Another run holds the output."""
+    """Another run holds the output.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> try:
+    ...     atlas = sf.open_atlas("running.h5")
+    ... except sf.BusyError:
+    ...     print("try again later")
+    ... except sf.InputError as error:
+    ...     print(error)
+    running.h5: there is no such file
+    """
 
 
 @contextlib.contextmanager

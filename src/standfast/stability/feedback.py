@@ -59,6 +59,17 @@ def is_stable(
         if anything is out of range or of another shape.
     ArithmeticError
         if rounding leaves it open, which no person at random has.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.from_height_mass(1.66, 68.0)
+    >>> K = sf.Stiffness(ankle=900.0, knee=1500.0, hip=400.0)
+    >>> sf.is_stable(body, K), sf.is_stable(body, K._replace(ankle=800.0))
+    (True, False)
+    >>> F = sf.Feedback(proportional=(600, 0, 0), derivative=(150, 0, 0), delay=0.05)
+    >>> sf.is_stable(body, K._replace(ankle=400.0), damping=(30, 20, 20), feedback=F)
+    True
     """
     checked_person(body, stiffness, gravity)
     if feedback is None and damping is None and is_traced(*body, *stiffness, gravity):
@@ -86,6 +97,16 @@ def critical_delay(
     follow at longer delays (:func:`delay_crossings`). The delay inside ``feedback`` is not used.
 
     Parameters and errors are those of :func:`is_stable`.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.from_height_mass(1.66, 68.0)
+    >>> K = sf.Stiffness(ankle=400.0, knee=1500.0, hip=400.0)
+    >>> F = sf.Feedback(proportional=(600, 0, 0), derivative=(150, 0, 0), delay=0.05)
+    >>> B = (30, 20, 20)
+    >>> print(f"{sf.critical_delay(body, K, damping=B, feedback=F):.3f} s")
+    0.325 s
     """
     table = _of("critical_delay", body, stiffness, gravity, damping, feedback)
     return float(table.critical_delay()[0])
@@ -111,6 +132,19 @@ def delay_crossings(
     delay. Each is a pair of conjugate roots.
 
     Other parameters and errors are those of :func:`is_stable`.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.from_height_mass(1.66, 68.0)
+    >>> K = sf.Stiffness(ankle=400.0, knee=1500.0, hip=400.0)
+    >>> F = sf.Feedback(proportional=(600, 0, 0), derivative=(150, 0, 0), delay=0.05)
+    >>> B = (30, 20, 20)
+    >>> for delay, frequency, direction in sf.delay_crossings(
+    ...     body, K, damping=B, feedback=F, longest=0.5
+    ... ):
+    ...     print(f"{delay:.3f} s, {frequency:.2f} rad/s, {direction:+d}")
+    0.325 s, 1.12 rad/s, +1
     """
     longest = checked_number("longest", longest, row=PARAMETERS["feedback_delay"])
     table = _of("delay_crossings", body, stiffness, gravity, damping, feedback)
@@ -135,6 +169,16 @@ def unstable_roots(
     """Return the number of characteristic roots with a positive real part.
 
     Parameters and errors are those of :func:`is_stable`.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.from_height_mass(1.66, 68.0)
+    >>> K = sf.Stiffness(ankle=400.0, knee=1500.0, hip=400.0)
+    >>> F = sf.Feedback(proportional=(600, 0, 0), derivative=(150, 0, 0), delay=0.05)
+    >>> B = (30, 20, 20)
+    >>> sf.unstable_roots(body, K, damping=B, feedback=F._replace(delay=0.4))
+    2
     """
     table = _of("unstable_roots", body, stiffness, gravity, damping, feedback)
     fed_back = checked_feedback(feedback)
@@ -163,6 +207,16 @@ def rightmost_root(
         if anything is out of range or of another shape.
     ArithmeticError
         if no root could be proven to be the rightmost.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.from_height_mass(1.66, 68.0)
+    >>> K = sf.Stiffness(ankle=400.0, knee=1500.0, hip=400.0)
+    >>> F = sf.Feedback(proportional=(600, 0, 0), derivative=(150, 0, 0), delay=0.05)
+    >>> B = (30, 20, 20)
+    >>> print(f"{sf.rightmost_root(body, K, damping=B, feedback=F):.3f} 1/s")
+    -0.584+0.940j 1/s
     """
     checked_person(body, stiffness, gravity)
     _refuse_traced("rightmost_root", body, stiffness, gravity, damping, feedback)

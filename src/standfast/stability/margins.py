@@ -30,6 +30,14 @@ def stability_determinant(
     ------
     InputError
         if gravity is out of range.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.from_height_mass(1.66, 68.0)
+    >>> K = sf.Stiffness(ankle=900.0, knee=1500.0, hip=400.0)
+    >>> print(f"{sf.stability_determinant(body, K):.3e} (N·m/rad)³")
+    1.857e+07 (N·m/rad)³
     """
     xp = checked_person(body, stiffness, gravity)
     (c11, c12, c13), (_, c22, c23), (_, _, c33) = matrices.stiffness_rows(body, stiffness, gravity)
@@ -77,6 +85,14 @@ def stiffness_reserve(
     ------
     InputError
         if gravity is out of range.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.from_height_mass(1.66, 68.0)
+    >>> K = sf.Stiffness(ankle=900.0, knee=1500.0, hip=400.0)
+    >>> print(f"{sf.stiffness_reserve(body, K):.2f} N·m/rad")
+    36.91 N·m/rad
     """
     checked_person(body, stiffness, gravity)
     load = matrices.joint_gravity(body, gravity)
@@ -105,6 +121,14 @@ def safety_factor(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_G
     ------
     InputError
         if gravity is out of range.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.from_height_mass(1.66, 68.0)
+    >>> K = sf.Stiffness(ankle=900.0, knee=1500.0, hip=400.0)
+    >>> print(f"{sf.safety_factor(body, K):.3f}")
+    1.050
     """
     xp = checked_person(body, stiffness, gravity)
     if stiffness.is_coupled:

@@ -41,6 +41,13 @@ class Modes(NamedTuple):
     shapes : (3, 3), 1
         columns are modes, rows the rotations of ankle, knee and hip; the ankle's is 1, or that of
         the first joint that is not rigid. A mode at infinity has no shape: its column is 0.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> found = sf.modes(sf.Body.edwards2007(), sf.Stiffness(950, 2000, 738), gravity=9.8)
+    >>> found.shapes[:, 1].round(3)    # ankle, knee, hip in the second mode
+    array([ 1.   , -0.397, -2.46 ])
     """
 
     eigenvalues: Array
@@ -59,6 +66,17 @@ def modes(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVITY) 
     ------
     InputError
         if gravity is out of range.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.from_height_mass(1.66, 68.0)
+    >>> K = sf.Stiffness(ankle=900.0, knee=1500.0, hip=400.0)
+    >>> found = sf.modes(body, K)
+    >>> print(f"{found.eigenvalues[0]:.3f} rad²/s²")
+    0.459 rad²/s²
+    >>> found.shapes[:, 0].round(3)    # ankle, knee, hip in the least stable mode
+    array([1.   , 0.42 , 0.775])
     """
     xp = checked_person(body, stiffness, gravity)
     load = joint_gravity(body, gravity)
@@ -90,6 +108,16 @@ def frequency(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRAVI
     ------
     InputError
         if gravity is out of range.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.from_height_mass(1.66, 68.0)
+    >>> K = sf.Stiffness(ankle=900.0, knee=1500.0, hip=400.0)
+    >>> print(f"{sf.frequency(body, K):.3f} Hz on Earth")
+    0.108 Hz on Earth
+    >>> print(f"{sf.frequency(body, K, gravity=1.62):.3f} Hz on the Moon")
+    0.454 Hz on the Moon
     """
     return frequency_of(modes(body, stiffness, gravity).eigenvalues[0])
 
@@ -101,6 +129,16 @@ def growth_rate(body: Body, stiffness: Stiffness, gravity: Scalar = STANDARD_GRA
     ------
     InputError
         if gravity is out of range.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.from_height_mass(1.66, 68.0)
+    >>> K = sf.Stiffness(ankle=900.0, knee=1500.0, hip=400.0)
+    >>> float(sf.growth_rate(body, K))
+    0.0
+    >>> print(f"{sf.growth_rate(body, K._replace(ankle=700.0)):.3f} 1/s")
+    1.020 1/s
     """
     return growth_rate_of(modes(body, stiffness, gravity).eigenvalues[0])
 

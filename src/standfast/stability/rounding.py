@@ -196,7 +196,16 @@ def verdict_is_certain(
 ) -> bool:
     """Return whether the verdict is proven to be that of exact arithmetic.
 
-    The bounds are those of :func:`load_rounding`, joint by joint from the hip down.
+    From the hip down each joint must differ from its load by more than a bound of the load's
+    rounding.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.from_height_mass(1.66, 68.0)
+    >>> K = sf.Stiffness(ankle=900.0, knee=1500.0, hip=400.0)
+    >>> sf.verdict_is_certain(body, K)
+    True
     """
     checked_person(body, stiffness, gravity)
     if is_traced(*body, *stiffness, gravity):

@@ -110,7 +110,7 @@ def critical_stiffness(
     ankle: L1.  knee: L2 / (1 − L2/S1), S1 = Ka − γs.  hip: γb / (1 − γb/S2),
     S2 = 1 / (1/S1 + 1/Kk) − γt.  The same recursion, read upwards for knee and hip.
 
-    Of coupled joints it is L1 of :func:`eliminated` with the joint in the first place.
+    Of coupled joints it is L1 of ``eliminated`` with the joint in the first place.
 
     Returns
     -------
@@ -120,6 +120,15 @@ def critical_stiffness(
     ------
     InputError
         if gravity is out of range.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.from_height_mass(1.66, 68.0)
+    >>> K = sf.Stiffness(ankle=900.0, knee=1500.0, hip=400.0)
+    >>> threshold = sf.critical_stiffness(body, K)
+    >>> [round(float(one), 1) for one in threshold.joints]
+    [835.1, 1191.5, 315.1]
     """
     checked_person(body, stiffness, gravity)
     ankle, knee, hip = stiffness.joints
@@ -193,6 +202,13 @@ def equal_rotation(
     ------
     InputError
         if gravity or the knee's stiffness is out of range.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> found = sf.equal_rotation(sf.Body.edwards2007(), knee=2000, gravity=9.8)
+    >>> [round(float(one), 2) for one in found]
+    [1081.44, 431.02]
     """
     checked_body(body)
     checked_scalar("gravity", gravity)

@@ -50,7 +50,7 @@ def study_given(kind: Any, given: Any, words: str) -> Any:
 
 @dataclass(frozen=True)
 class Study:
-    """A checked study; make one with :meth:`from_toml` or :meth:`from_dict`.
+    """A checked study; make one with :meth:`.Study.from_toml` or :meth:`.Study.from_dict`.
 
     Attributes
     ----------
@@ -73,6 +73,12 @@ class Study:
         ------
         InputError
             if the file is not readable, not TOML, or says something that makes no sense.
+
+        Examples
+        --------
+        >>> import standfast as sf
+        >>> sf.Study.from_toml("studies/atlas.toml").title
+        'Stiffness atlas of the nominal adult'
         """
         content = read_toml(path)
         try:
@@ -88,6 +94,17 @@ class Study:
         ------
         InputError
             naming the key, what was given and what would be right.
+
+        Examples
+        --------
+        >>> import standfast as sf
+        >>> study = {
+        ...     "body": {"height": 1.66, "mass": 68},
+        ...     "stiffness": {"ankle": [800, 900], "knee": 1500, "hip": [300, 400, 500]},
+        ...     "output": {"quantities": ["stable"]},
+        ... }
+        >>> sf.Study.from_dict(study).points
+        6
         """
         if isinstance(content, Mapping) and "population" in content:
             raise InputError("this is the study of a population; run: standfast population")
@@ -143,6 +160,12 @@ class Study:
         ------
         InputError
             if it is none of them, or as :meth:`from_toml` and :meth:`from_dict`.
+
+        Examples
+        --------
+        >>> import standfast as sf
+        >>> sf.Study.of("studies/atlas.toml").quantities
+        ('stable', 'critical_ankle_stiffness', 'critical_hip_stiffness', 'frequency')
         """
         words = "is no study of a sweep; give a Study"
         found: Study = study_given(cls, given, words)
@@ -177,7 +200,15 @@ class Study:
         return {name: value for name, value in given if isinstance(value, float | str)}
 
     def axes_of(self, quantity: str) -> tuple[str, ...]:
-        """Return the axes that a quantity depends on, in the study's order."""
+        """Return the axes that a quantity depends on, in the study's order.
+
+        Examples
+        --------
+        >>> import standfast as sf
+        >>> study = sf.Study.from_toml("studies/atlas.toml")
+        >>> study.axes_of("critical_ankle_stiffness")
+        ('knee_stiffness', 'hip_stiffness')
+        """
         row = QUANTITIES[quantity]
         return tuple(
             name for name in self.axes if row.depends_on(name, study_has_gains=self.has_gains)

@@ -118,8 +118,10 @@ def read_people(
 
     Examples
     --------
-    >>> people = sf.read_people("people.csv")  # doctest: +SKIP
-    >>> people.height.mean(), len(people.rejected)  # doctest: +SKIP
+    >>> import standfast as sf
+    >>> people = sf.read_people("people.csv")
+    >>> people.height, len(people.rejected)
+    (array([1.62, 1.78, 1.7 ]), 0)
     """
     if isinstance(paths, str | Path):
         paths = [paths]

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from standfast.errors import InputError
-from standfast.parameters import GAINS, JOINTS, STANDARD_GRAVITY, STIFFNESSES, checked_number
+from standfast.parameters import GAINS, JOINTS, STIFFNESSES
 from standfast.population.people.builtin import Subpopulation
+from standfast.population.people.content import checked_content
 from standfast.population.people.decoding import digest
 from standfast.population.people.distributions import (
     Distributions,
@@ -20,35 +21,28 @@ from standfast.population.people.distributions import (
 from standfast.population.people.keys import (
     LARGEST_SIZE,
     checked_output,
-    checked_population,
     selection,
     subpopulations_of,
     whole_number,
 )
 from standfast.population.people.records import People, read_people
 from standfast.population.people.sections import (
-    SECTIONS,
     Correlation,
-    canonical_nerves,
     checked_nerves,
-    checked_stiffness,
     is_noisy,
-    refuse_measured,
     without_choice,
 )
 from standfast.population.people.sobol import LARGEST_BLOCK, REPLICATES
 from standfast.study.canonical import canonical_text, fingerprint_of, flat, from_json, json_value
 from standfast.study.toml import read_toml
-from standfast.study.values import checked_title, known_keys
 
-MOST_KEPT = 10**8  # persons stored one by one
 # Blocks that are written together: about a second of work, and less where every person is kept.
 BLOCKS_PER_SHARD, BLOCKS_PER_SHARD_KEPT = 64, 2
 
 
 @dataclass(frozen=True)
 class PopulationStudy:
-    """A checked study of a population; make one with :meth:`from_toml` or :meth:`from_dict`.
+    """A checked study of a population; see :meth:`.PopulationStudy.from_dict`.
 
     ``content`` is its canonical form, ``files`` where its people are.
     """
@@ -64,6 +58,12 @@ class PopulationStudy:
         ------
         InputError
             if the file is not readable, not TOML, or says something that makes no sense.
+
+        Examples
+        --------
+        >>> import standfast as sf
+        >>> sf.PopulationStudy.from_toml("studies/us-adults.toml").size
+        4000000
         """
         content = read_toml(path)
         try:
@@ -75,43 +75,20 @@ class PopulationStudy:
     def from_dict(
         cls, content: Mapping[str, Any], *, folder: str | Path = "."
     ) -> "PopulationStudy":
-        """Check a study given as nested mappings, laid out as in the TOML file, or refuse it."""
-        if isinstance(content, Mapping) and "body" in content and "population" not in content:
-            raise InputError("this is the study of a sweep; run: standfast sweep")
-        tables = ("title", "gravity", "population", "stiffness", *SECTIONS, "output")
-        known_keys("study", content, tables)
-        title = checked_title(content)
-        gravity = content.get("gravity", STANDARD_GRAVITY)
-        if isinstance(gravity, list | tuple | Mapping):
-            raise InputError("gravity is one number in a population, without list or range")
-        if "population" not in content:
-            raise InputError("[population] is missing: say people or builtin, and size")
-        if "stiffness" not in content:
-            raise InputError("[stiffness.ankle], [stiffness.knee] and [stiffness.hip] are missing")
-        distributions, correlation = checked_stiffness(content["stiffness"])
-        nerves = checked_nerves(content)
-        springs = tuple(zip(STIFFNESSES, distributions.values(), strict=True))
-        if "builtin" in content["population"]:
-            refuse_measured(springs + nerves)
-        output = checked_output(content.get("output", {}), noisy=is_noisy(nerves))
-        population, files = checked_population(content["population"], Path(folder))
-        if output["persons"] and population["size"] > MOST_KEPT:
-            raise InputError(
-                f"output.persons keeps at most {MOST_KEPT:,} persons, "
-                f"and population.size is {population['size']:,}"
-            )
-        stiffness: dict[str, Any] = {k: each.canonical() for k, each in distributions.items()}
-        return cls(
-            {
-                "title": title,
-                "gravity": checked_number("gravity", gravity),
-                "population": population,
-                "stiffness": {**stiffness, "correlation": [list(row) for row in correlation]},
-                **canonical_nerves(nerves),
-                "output": output,
-            },
-            files,
-        )
+        """Check a study given as nested mappings, laid out as in the TOML file, or refuse it.
+
+        Examples
+        --------
+        >>> import standfast as sf
+        >>> same = {"distribution": "fixed", "relative_to": "mgh", "value": 1.2}
+        >>> study = {
+        ...     "population": {"builtin": "ansur-2012", "size": 1000, "seed": 1},
+        ...     "stiffness": {"ankle": same, "knee": same, "hip": same},
+        ... }
+        >>> sf.PopulationStudy.from_dict(study).seed
+        1
+        """
+        return cls(*checked_content(content, Path(folder)))
 
     @classmethod
     def from_canonical(cls, text: str) -> "PopulationStudy":
@@ -237,6 +214,13 @@ class PopulationStudy:
         ------
         InputError
             as :func:`.read_people`, and if the files have changed.
+
+        Examples
+        --------
+        >>> import standfast as sf
+        >>> study = sf.PopulationStudy.from_toml("studies/us-adults.toml")
+        >>> study.read_people() is None    # they are a built-in population
+        True
         """
         population = self.content["population"]
         if "people" not in population:

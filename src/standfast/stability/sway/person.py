@@ -34,6 +34,17 @@ class Spectrum(NamedTuple):
         of the rotations; 0 of a rigid joint.
     com, cop : (n,), m²/Hz
         of the centre of mass over the ankle, and of the centre of pressure.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.from_height_mass(1.66, 68.0)
+    >>> K = sf.Stiffness(ankle=400.0, knee=1500.0, hip=400.0)
+    >>> F = sf.Feedback(proportional=(600, 0, 0), derivative=(150, 0, 0), delay=0.05)
+    >>> B = (30, 20, 20)
+    >>> spectrum = sf.sway_spectrum(body, K, damping=B, feedback=F, frequency=[0.1, 1.0])
+    >>> type(spectrum).__name__, spectrum.cop.shape
+    ('Spectrum', (2,))
     """
 
     frequency: Array
@@ -79,11 +90,25 @@ def sway_covariance(
         if anything is out of range or of another shape.
     ArithmeticError
         if rounding leaves open whether the person stands, or how much.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body, K = sf.Body.from_height_mass(1.66, 68.0), sf.Stiffness(400, 1500, 400)
+    >>> F = sf.Feedback(proportional=(600, 0, 0), derivative=(150, 0, 0), delay=0.05)
+    >>> found = sf.sway_covariance(body, K, damping=(30, 20, 20), feedback=F, noise=(1, 0, 0.3))
+    >>> print(f"{1e3 * found[0, 0] ** 0.5:.2f} mrad at the ankle")
+    4.47 mrad at the ankle
     """
     swaying, stands, ends = _swaying(body, stiffness, gravity, damping, feedback, noise)
     if not (stands and ends):
         free = np.isfinite(np.array(stiffness.joints, float))
         return np.where(free[:, None] & free, np.inf, 0.0)
+    return _covariance(swaying, stiffness)
+
+
+def _covariance(swaying: Swaying, stiffness: Stiffness) -> Array:
+    """Return the covariance of one person who stands."""
     found = np.zeros((3, 3))
     # variances first: what of a covariance is small is so beside them
     for across in (False, True):
@@ -157,6 +182,17 @@ def sway_spectrum(
     ------
     InputError
         if anything is out of range or of another shape, or the person falls.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> body = sf.Body.from_height_mass(1.66, 68.0)
+    >>> K = sf.Stiffness(ankle=400.0, knee=1500.0, hip=400.0)
+    >>> F = sf.Feedback(proportional=(600, 0, 0), derivative=(150, 0, 0), delay=0.05)
+    >>> B = (30, 20, 20)
+    >>> spectrum = sf.sway_spectrum(body, K, damping=B, feedback=F, frequency=[0.1, 1.0])
+    >>> (1e6 * spectrum.cop).round(2)    # mm²/Hz
+    array([363.28,   9.12])
     """
     hertz = np.atleast_1d(np.asarray(frequency, float))
     if hertz.ndim != 1 or not hertz.size or not (np.isfinite(hertz) & (hertz >= 0.0)).all():

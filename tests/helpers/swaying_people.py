@@ -3,9 +3,9 @@
     A dv = (−B v − C q − P q(t − τ) − D v(t − τ)) dt + σ dW,  dq = v dt
 
 by Heun's method with steps of 1 ms, of many people at once; the centre of pressure is the ankle's
-moment of springs, damping and feedback over m g, through a Butterworth filter of the second order at
-10 Hz, forth and back, of which every tenth sample is kept. Nothing of it is the package's but the
-matrices.
+moment of springs, damping and feedback over m g, through a Butterworth filter of the second order
+at 10 Hz, forth and back, of which every tenth sample is kept. Nothing of it is the package's but
+the matrices.
 """
 
 import numpy as np

@@ -2,8 +2,8 @@
 
 The law's stiffness, damping and gains are multiples of m g h of its own body; on another body they
 are the same multiples of that body's. Of the gains all proportional ones have one factor p, all
-derivative ones one factor d. A point holds log σ, log(p − p₀), log d and log τ of what is open; below
-p₀ the person falls at any damping, because det(C + p P) is 0 there.
+derivative ones one factor d. A point holds log σ, log(p − p₀), log d and log τ of what is open;
+below p₀ the person falls at any damping, because det(C + p P) is 0 there.
 
 notation: C stiffness less gravity, P and D gains of the law, τ delay, σ noise.
 """
@@ -29,6 +29,7 @@ from standfast.stability.sway.responses import Change
 NOISE, PROPORTIONAL, DERIVATIVE, DELAY = (
     "noise", "proportional_gain", "derivative_gain", "feedback_delay",
 )  # fmt: skip
+OPEN = (NOISE, PROPORTIONAL, DERIVATIVE)  # what is fitted unless it is said
 # How far each is looked for: as factors of the law's, of p what is above p₀; of τ in s. A p nearer
 # to p₀ is slower than any recording tells.
 LIMITS = {
@@ -72,7 +73,7 @@ class Family(NamedTuple):
 
     @property
     def scale(self) -> float:
-        """m g h of the body over that of the law's."""
+        """What topples the body, m g h, over what topples the law's."""
         return float(sum(gravity_loads(self.body, self.gravity))) / self.law.load
 
     @property
@@ -185,7 +186,7 @@ def noisy_joints(joints: tuple[str, ...]) -> tuple[bool, ...]:
 
 
 def _stands(table: Crossings, delay: float) -> bool:
-    """Return whether the person stands; one on the boundary, whom rounding leaves open, does not."""
+    """Return whether the person stands; whom rounding leaves open, on the boundary, does not."""
     if table.uncertain[0]:
         return False
     return bool(table.stable_at(np.array([delay]))[0, 0])

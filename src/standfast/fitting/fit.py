@@ -19,10 +19,9 @@ from standfast.anthropometry.body import Body
 from standfast.errors import InputError, nearest_name, says_its_arguments, shortened
 from standfast.fitting.family import (
     DELAY,
-    DERIVATIVE,
     MARGINS,
     NOISE,
-    PROPORTIONAL,
+    OPEN,
     UNITS,
     Family,
     Points,
@@ -30,7 +29,7 @@ from standfast.fitting.family import (
     points_of,
 )
 from standfast.fitting.likelihood import Likelihood
-from standfast.fitting.measured import POSSIBLE, checked_measures
+from standfast.fitting.measured import POSSIBLE, Measured, checked_measures
 from standfast.fitting.region import CONFIDENCE, Region, region_of
 from standfast.fitting.result import Estimate, Fitted, SwayFit
 from standfast.fitting.search import best_point, coarse_grid
@@ -41,7 +40,6 @@ from standfast.mechanics.law import Law
 from standfast.mechanics.laws import LAWS
 from standfast.parameters import JOINTS, PARAMETERS, STANDARD_GRAVITY, checked_number
 
-OPEN = (NOISE, PROPORTIONAL, DERIVATIVE)
 LEAST_P = 1.0 - CONFIDENCE  # below it the law does not explain the measures
 
 
@@ -61,10 +59,9 @@ def fit_sway(
 ) -> SwayFit:
     """Return which noise and gains of a law explain a person's sway, with 95 % intervals.
 
-    The likelihood is that of the measures, SD, mean velocity and mean frequency of the sagittal
-    centre of pressure, whose expectation and covariance in recordings of this length follow from
-    the model's spectra; intervals are likelihood profiles. Three measures tell three numbers, and
-    not the delay, which is taken to be the law's unless it is given.
+    The likelihood is that of the measures, of which expectation and covariance in recordings of
+    this length follow from the model's spectra; intervals are likelihood profiles. Three measures
+    do not tell the delay besides noise and gains; it is the law's unless it is given.
 
     Parameters
     ----------
@@ -101,21 +98,27 @@ def fit_sway(
     best = best_point(likelihood, coarse)
     if best is None:
         raise InputError(f"nobody stands by {family.law.name} on this body, whatever its gains")
-    region = region_of(likelihood, coarse, best)
-    parameters, margins = _estimates(likelihood.points, region, best)
+    return _result(likelihood, given, region_of(likelihood, coarse, best), best)
+
+
+def _result(likelihood: Likelihood, given: Measured, region: Region, best: np.ndarray) -> SwayFit:
+    points, names = likelihood.points, likelihood.target.measures
+    family = points.family
     found = likelihood.moments(best)
     if found is None:
         raise ArithmeticError("the most likely person does not stand")
+    parameters, margins = _estimates(points, region, best)
     spread = np.sqrt(np.diagonal(found.covariance))
     measures = {
         name: Fitted(given.values[name], float(np.exp(mean)), float(each), POSSIBLE[name][2])
-        for name, mean, each in zip(given.target.measures, found.mean, spread, strict=True)
+        for name, mean, each in zip(names, found.mean, spread, strict=True)
     }
     # with a number open for each measure only what no person has is left to be off
     left = max(len(measures) - len(family.free), 1)
     p_value = float(stats.chi2.sf(likelihood.misfit(best), left))
     explained = p_value >= LEAST_P
-    sigma = likelihood.points.factors(best)[NOISE]
+    sigma = points.factors(best)[NOISE]
+    ankle, knee, hip = (sigma * float(one) for one in family.noisy)
     return SwayFit(
         law=family.law.name,
         parameters=parameters,
@@ -124,8 +127,8 @@ def fit_sway(
         p_value=p_value,
         explained=explained,
         status=status_of(family.law.name, parameters, measures, explained, len(measures)),
-        person=_person(likelihood.points, best),
-        noise=tuple(sigma * float(one) for one in family.noisy),  # type: ignore[arg-type] # three
+        person=_person(points, best),
+        noise=(ankle, knee, hip),
     )
 
 

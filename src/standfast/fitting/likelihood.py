@@ -12,7 +12,6 @@ d log |C| is the trace of L⁻¹ dC L⁻ᵀ.
 from typing import NamedTuple
 
 import numpy as np
-from scipy import linalg
 
 from standfast.fitting.family import NOISE, Points
 from standfast.fitting.moments import FREQUENCY, Moments, moments, readings_of
@@ -137,20 +136,15 @@ class Likelihood:
             root = np.linalg.cholesky(found.covariance)
         except np.linalg.LinAlgError:  # measures of one motion, as SDs of an angle and of the CoM
             return falls
-        rho = _solve(root, self.target.logarithms - found.mean)
+        rho = np.linalg.solve(root, self.target.logarithms - found.mean)
         logarithm = 2.0 * np.log(np.diagonal(root)).sum()
         last = np.sqrt(max(logarithm + LEAST * count, 1.0))
         columns = []
         for mean, covariance in zip(found.mean_slope, found.covariance_slope, strict=True):
-            inner = _solve(root, _solve(root, covariance).T)
+            inner = np.linalg.solve(root, np.linalg.solve(root, covariance).T)
             half = np.tril(inner)
             half[np.diag_indices(count)] *= 0.5
             columns.append(
-                np.append(-_solve(root, mean) - half @ rho, 0.5 * np.trace(inner) / last)
+                np.append(-np.linalg.solve(root, mean) - half @ rho, 0.5 * np.trace(inner) / last)
             )
         return np.append(rho, last), np.stack(columns, axis=1)
-
-
-def _solve(root: np.ndarray, right: np.ndarray) -> np.ndarray:
-    found: np.ndarray = linalg.solve_triangular(root, right, lower=True)
-    return found

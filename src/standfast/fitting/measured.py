@@ -64,13 +64,15 @@ def checked_measures(
     if isinstance(measured, Recording):
         for name, given in (("duration", duration), ("rate", rate)):
             if given is not None:
-                raise InputError(f"{name} = {shortened(given)} beside a recording, which has its own")
+                raise InputError(
+                    f"{name} = {shortened(given)} beside a recording, which has its own"
+                )
         values = sagittal_measures(measured, low_pass=low_pass)
         _check(values, joints)
         return Measured(values, measured.ap.size, measured.rate, float(cut))
     if not isinstance(measured, Mapping):
         raise InputError(
-            f"measured = {shortened(measured)}; give a Recording, or measures by name (m, m/s, Hz), "
+            f"measured = {shortened(measured)}; give a Recording, or measures by name in SI, "
             'as {"sd_ap": 0.004, "mean_velocity_ap": 0.006, "mean_frequency_ap": 0.23}'
         )
     values = {name: _number(name, value) for name, value in measured.items()}
@@ -123,8 +125,8 @@ def _check(values: Mapping[str, float], joints: tuple[str, ...]) -> None:
         low, high, unit = POSSIBLE[name]
         if not low <= value <= high:
             raise InputError(
-                f"{name} = {value:g} {unit} is outside of {low:g} to {high:g} {unit}, between which "
-                "people are; is the unit right?"
+                f"{name} = {value:g} {unit} is outside of {low:g} to {high:g} {unit}, between "
+                "which people are; is the unit right?"
             )
         joint = name.removeprefix("sd_")
         if joint in ("ankle", "knee", "hip") and joint not in joints:

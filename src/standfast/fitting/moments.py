@@ -106,7 +106,7 @@ def _relative(
     noise: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return expectations of powers and covariances relative to them, each with derivatives."""
-    count, size = len(powers), 2 * len(window.hertz) - 2
+    count, last = len(powers), len(window.hertz) - 1
     mean, mean_slope = np.zeros(count), np.zeros((len(slope), count))
     sequences: dict[tuple[int, int], np.ndarray] = {}
     of_readings: dict[tuple[int, int], np.ndarray] = {}
@@ -115,22 +115,26 @@ def _relative(
             if (x, y) not in of_readings:
                 of_readings[x, y] = _densities(x, y, response, slope, noise)
             both = of_readings[x, y] * window.mixed[a, b]
-            sequences[i, j] = fft.irfft(both, size) / window.step
             if i == j:
                 mean[i], *mean_slope[:, i] = window.integral(both.real)
+            every = 1 if a == b == STEPS else window.every
+            kept = both[:, : last // every + 1]
+            sequences[i, j] = fft.irfft(kept, 2 * last // every) / (every * window.step)
     found, found_slope = np.zeros((count, count)), np.zeros((len(slope), count, count))
-    for (i, j), rho in sequences.items():
+    for (i, j), sequence in sequences.items():
         a, b = powers[i][1], powers[j][1]
-        rho /= np.sqrt(mean[i] * mean[j])
+        rho = sequence / np.sqrt(mean[i] * mean[j])
+        every = 2 * last // rho.shape[1]
+        overlap = every * window.overlap[a, b, ::every]
         logarithmic = mean_slope[:, i] / mean[i] + mean_slope[:, j] / mean[j]
         if i == j and a == STEPS:  # four times that of mean |steps|, as of a power
             share = np.clip(rho[0], -1.0, 1.0)
             angle = np.arcsin(share)
             value = share * angle + np.sqrt(1.0 - share**2) - 1.0
-            turned, spent = share * angle, 4.0 * window.overlap[a, b]
+            turned, spent = share * angle, 4.0 * overlap
             gradient = _sum(rho[1:], spent * angle) - 0.5 * logarithmic * _sum(turned, spent)
         else:
-            value, spent = rho[0] ** 2, 2.0 * window.overlap[a, b]
+            value, spent = rho[0] ** 2, 2.0 * overlap
             gradient = 2.0 * _sum(rho[1:], spent * rho[0]) - logarithmic * _sum(value, spent)
         found[i, j] = found[j, i] = _sum(value, spent)
         found_slope[:, i, j] = found_slope[:, j, i] = gradient

@@ -2,9 +2,10 @@
 
 The region holds the points with −2 log L ≤ its least + χ²(0.95; 1). The interval of a number, a
 parameter or a margin, is from the least to the largest that it has in the region: its likelihood
-profile. The region may have several parts, and reach to the limits of the search, where the interval
-is open. It is laid on a grid, of which the box is drawn closer twice; between two neighbours of which
-one is inside, its end is where the root of the excess over the least, nearly linear, has its value.
+profile. The region may have several parts, and reach to the limits of the search, where the
+interval is open. It is laid on a grid, of which the box is drawn closer twice; between two
+neighbours of which one is inside, its end is where the root of the excess over the least, nearly
+linear, has its value.
 """
 
 from collections.abc import Callable, Iterator
@@ -20,7 +21,7 @@ from standfast.fitting.search import Grid, graded
 CONFIDENCE = 0.95
 RISE = float(stats.chi2.ppf(CONFIDENCE, 1))
 # Values a coordinate, by how many there are, first and last time.
-FINE = {0: (1, 1), 1: (64, 64), 2: (16, 22), 3: (9, 11)}
+FINE = {0: (1, 1), 1: (64, 64), 2: (13, 21), 3: (9, 11)}
 # How much higher than inside a point of a coarse grid may be, and the region still be near.
 SLACK = 12.0
 
@@ -58,7 +59,8 @@ class Region(NamedTuple):
         def at(place: tuple[int, ...]) -> np.ndarray:
             if not seen[place]:
                 values[place], seen[place] = numbers(self.grid.point(place, ())), True
-            return values[place]
+            own: np.ndarray = values[place]
+            return own
 
         found = [at(tuple(map(int, place))) for place in np.argwhere(self.inside)]
         for place, other in self._ends():
@@ -102,9 +104,7 @@ def region_of(likelihood: Likelihood, coarse: Grid, best: np.ndarray) -> Region:
     return Region(grid, excess, inside, reaches)
 
 
-def _closer(
-    grid: Grid, near: np.ndarray, best: np.ndarray, count: int
-) -> tuple[np.ndarray, ...]:
+def _closer(grid: Grid, near: np.ndarray, best: np.ndarray, count: int) -> tuple[np.ndarray, ...]:
     """Return axes of a box around what is near and the best point, one step of the grid wider."""
     axes = []
     for axis, values in enumerate(grid.axes):

@@ -58,9 +58,7 @@ def coarse_grid(likelihood: Likelihood) -> Grid:
     """Return a grid over all of the limits."""
     low, high = likelihood.points.bounds
     keep = [k for k, name in enumerate(likelihood.points.family.free) if name != NOISE]
-    return graded(
-        likelihood, tuple(np.linspace(low[k], high[k], COARSE[len(keep)]) for k in keep)
-    )
+    return graded(likelihood, tuple(np.linspace(low[k], high[k], COARSE[len(keep)]) for k in keep))
 
 
 def best_point(likelihood: Likelihood, grid: Grid) -> np.ndarray | None:

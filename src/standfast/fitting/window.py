@@ -26,6 +26,9 @@ POWERS = ("variance", "steps", "welch", "welch_times_f")
 BAND = 2.5
 # … and stand as near as a process needs that forgets its past within so long (s).
 MEMORY = 180.0
+# What is faster than this matters to steps alone (Hz): all other lags are taken as far apart as it
+# allows. That makes covariances 2.5 times as quick at 10 Hz.
+SLOW = 6.0
 # From so many of Welch's bins on, Φ is 1 and f to 1e-6.
 BINS = 20
 
@@ -43,6 +46,7 @@ class Window(NamedTuple):
         √(Φ_a Φ_b).
     step : s
         between times of ``overlap``.
+    every : how many times of ``overlap`` are one for what is slow
     overlap : (powers, powers, 2 m − 2)
         Σ_t g_a(t) g_b(t + u) over the lags u, in the order of a discrete Fourier transform, g being
         how much a power has of each time: even, or Hann's windows squared.
@@ -52,6 +56,7 @@ class Window(NamedTuple):
     weight: np.ndarray
     mixed: np.ndarray
     step: float
+    every: int
     overlap: np.ndarray
 
     def integral(self, density: np.ndarray) -> np.ndarray:
@@ -66,7 +71,9 @@ def window(count: int, rate: float, low_pass: float) -> Window:
     """Return the window of a recording of some samples at a rate, with a low-pass (all Hz)."""
     step = 0.5 / (BAND * low_pass)
     inside = round(count / rate / step)
-    size = 2 * fft.next_fast_len(max(2 * inside, inside + round(MEMORY / step)) // 2, real=True)
+    every = max(int(BAND * low_pass / SLOW), 1)
+    least = max(2 * inside, inside + round(MEMORY / step))
+    size = 2 * every * fft.next_fast_len(-(-least // (2 * every)), real=True)
     hertz = fft.rfftfreq(size, step)
     weight = np.stack([
         (1.0 - _of_mean(hertz, count, rate)) * count / (count - 1),
@@ -76,7 +83,7 @@ def window(count: int, rate: float, low_pass: float) -> Window:
     spent = np.stack([np.full(inside, 1.0 / inside)] * 2 + [_windows(inside, count, rate)] * 2)
     turned = fft.rfft(spent, size)
     overlap = fft.irfft(turned[:, None].conj() * turned[None], size)
-    return Window(hertz, weight, np.sqrt(weight[:, None] * weight), step, overlap)
+    return Window(hertz, weight, np.sqrt(weight[:, None] * weight), step, every, overlap)
 
 
 def _of_mean(hertz: np.ndarray, count: int, rate: float) -> np.ndarray:
@@ -115,4 +122,5 @@ def _windows(inside: int, count: int, rate: float) -> np.ndarray:
     for first in hop * np.arange(segments):
         phase = (times - first) / length
         total += np.where((phase > 0.0) & (phase < 1.0), np.sin(np.pi * phase) ** 4, 0.0)
-    return total / total.sum()
+    found: np.ndarray = total / total.sum()
+    return found

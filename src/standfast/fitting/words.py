@@ -37,9 +37,9 @@ def status_of(
         more = "more" if found.model > found.measured else "less"
         ratio = max(found.model / found.measured, found.measured / found.model)
         said = [
-            f"{law} does not explain the measures, whatever its noise and gains: the nearest person "
-            f"has {ratio:.2g} times {more} {NAMES[worst]}. Margins are those of this person, and mean "
-            "little."
+            f"{law} does not explain the measures, whatever its noise and gains: the nearest "
+            f"person has {ratio:.2g} times {more} {NAMES[worst]}. Margins are those of this "
+            "person, and mean little."
         ]
     if len(parameters) > count:
         said.append(f"{count} measures cannot tell {len(parameters)} parameters.")

@@ -13,7 +13,7 @@ from standfast.fitting.window import POWERS, window
 from standfast.recordings.measures import cop_spectrum
 
 MEASURES = ("sd_ap", VELOCITY, FREQUENCY)
-DRAWN = 500
+DRAWN = 300
 # Four standard errors of a mean and of a variance of so many, beside 1 and 5 % that the
 # approximations of slow processes are off.
 MEAN_OFF = 4.0 / np.sqrt(DRAWN) + 0.01

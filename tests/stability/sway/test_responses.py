@@ -1,4 +1,4 @@
-"""Responses of readings to noise against the densities, and their derivatives against differences."""
+"""Responses of readings to noise against the densities, their derivatives against differences."""
 
 import numpy as np
 import pytest

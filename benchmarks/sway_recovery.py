@@ -168,9 +168,9 @@ def text(rows: list[dict[str, Any]], count: int) -> str:
         "",
         "Bias: median of estimate over true value; spread: half of what holds 68 % of the "
         "ratios. High / low: median of an interval's ends, one over the other. The lower end of "
-        f"the proportional gain is open, down to what just holds a person up, of {lower[0]} ({LAWS[0]}) and {lower[1]} "
-        f"({LAWS[1]}) people; {not_explained[0]} and {not_explained[1]} are said not to be "
-        "explained, though they follow the law.",
+        f"the proportional gain is open, down to what just holds a person up, of {lower[0]} "
+        f"({LAWS[0]}) and {lower[1]} ({LAWS[1]}) people; {not_explained[0]} and "
+        f"{not_explained[1]} are said not to be explained, though they follow the law.",
         "",
         "![Estimates and intervals over true values](recovery.png)",
         "",

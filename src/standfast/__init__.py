@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from standfast.population.people.study import PopulationStudy
     from standfast.population.simulation import simulate
     from standfast.population.summary.file import open_population
+    from standfast.recordings.expected import ExpectedSway, expected_sway
     from standfast.recordings.measures import SwayMeasures, sway_measures
     from standfast.recordings.reading import read_recording
     from standfast.recordings.recording import Recording
@@ -62,6 +63,8 @@ LAZY = {
     "open_population": "standfast.population.summary.file",
     "read_people": "standfast.population.people.records",
     "simulate": "standfast.population.simulation",
+    "ExpectedSway": "standfast.recordings.expected",
+    "expected_sway": "standfast.recordings.expected",
     "Recording": "standfast.recordings.recording",
     "SwayMeasures": "standfast.recordings.measures",
     "read_recording": "standfast.recordings.reading",
@@ -76,6 +79,7 @@ __all__ = [
     "Atlas",
     "Body",
     "BusyError",
+    "ExpectedSway",
     "Feedback",
     "InputError",
     "Modes",
@@ -95,6 +99,7 @@ __all__ = [
     "critical_stiffness",
     "delay_crossings",
     "equal_rotation",
+    "expected_sway",
     "fit_sway",
     "frequency",
     "growth_rate",

@@ -32,7 +32,7 @@ SWAY = {
 
 def print_person(given: dict[str, Any], facts: dict[str, Any]) -> None:
     """Print who it is, the verdict, each joint, each mode, and what feedback makes of it."""
-    print(_in_words(given))
+    print(person_in_words(given))
     if sentence := fed_back_in_words(given, facts):
         print(f"\n{sentence}{_lost(given, facts)}\n{_root(facts)}")
     print(f"\n{_verdict(facts, alone=bool(sentence))}")
@@ -60,7 +60,7 @@ def print_person(given: dict[str, Any], facts: dict[str, Any]) -> None:
         print(f"\n{_swaying(facts)}")
 
 
-def _in_words(given: dict[str, Any]) -> str:
+def person_in_words(given: dict[str, Any]) -> str:
     """Say who is looked at: body, gravity, and what is given beside stiffness."""
     if "height" in given:
         mass = given.get("mass", given.get("bmi", 0.0) * given["height"] ** 2)

@@ -10,6 +10,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from standfast.cli.parsing import add_command, made_room, output_file
+from standfast.cli.sway_fit import add_fit_options, fit_facts, fits_of, print_fits
+from standfast.cli.sway_model import (
+    COLUMN_UNITS,
+    ModelBeside,
+    add_model_options,
+    model_beside,
+    model_facts,
+    model_header,
+    model_row,
+)
 from standfast.cli.sway_text import print_measures
 from standfast.errors import InputError
 from standfast.files import for_spreadsheets, require_replaceable, whole_table
@@ -59,6 +69,8 @@ def add(commands: Any) -> None:
     words = "write a table, a line a recording"
     parser.add_argument("--csv", type=Path, metavar="FILE.csv", help=words)
     parser.add_argument("--json", action="store_true", help="everything as one JSON object, in SI")
+    add_model_options(parser)
+    add_fit_options(parser)
 
 
 def _sway(options: argparse.Namespace) -> None:
@@ -71,20 +83,30 @@ def _sway(options: argparse.Namespace) -> None:
         found = [sway_measures(each, low_pass=low_pass) for each in recordings]
     except InputError as error:
         raise InputError(_of_options(str(error))) from None
+    fits = fits_of(options, recordings, low_pass)
+    model = None if fits else model_beside(options, recordings, low_pass)
     written = [*figures]
     if options.csv:
-        _write(options.csv, recordings, found)
+        _write(options.csv, recordings, found, model)
         written.append(options.csv)
     if figures:
         from standfast.figures.recording import draw_recording
 
-        for path, recording, measures in zip(figures, recordings, found, strict=True):
-            draw_recording(made_room(path, options.output), recording, measures, low_pass)
+        for place, (path, recording) in enumerate(zip(figures, recordings, strict=True)):
+            shown = None if model is None else model.shown[place]
+            draw_recording(
+                made_room(path, options.output), recording, found[place], low_pass, shown
+            )
     if options.json:
-        print(json.dumps(_facts(recordings, found, low_pass), ensure_ascii=False, allow_nan=False))
+        facts = _facts(recordings, found, low_pass, model)
+        for each, fit in zip(facts["recordings"], fits, strict=False):  # none, or of all
+            each["fit"] = fit_facts(fit)
+        print(json.dumps(facts, ensure_ascii=False, allow_nan=False))
         return
     remarks = [[_of_options(each) for each in recording.remarks] for recording in recordings]
-    print_measures(recordings, found, remarks, low_pass)
+    print_measures(recordings, found, remarks, low_pass, model)
+    if fits:
+        print_fits(recordings, fits)
     if written:
         print(f"\nWritten: {', '.join(map(str, written))}")
 
@@ -155,21 +177,29 @@ def _plain(option: str, text: str) -> float:
 
 
 def _header(measures: Any) -> str:
-    units = {"mm²": "mm2", "mm/s": "mm_s"}
-    columns = [f"{name}_{units.get(row.printed, row.printed)}" for name, row in measures.items()]
+    units = {name: COLUMN_UNITS.get(row.printed, row.printed) for name, row in measures.items()}
+    columns = [f"{name}_{unit}" for name, unit in units.items()]
     return ",".join(["recording", "duration_s", "rate_Hz", *columns])
 
 
-def _write(path: Path, recordings: "list[Recording]", found: "list[SwayMeasures]") -> None:
+def _write(
+    path: Path,
+    recordings: "list[Recording]",
+    found: "list[SwayMeasures]",
+    model: ModelBeside | None,
+) -> None:
     """Write a line a recording, in the units that are printed."""
     from standfast.recordings.measures import MEASURES
 
     header = _header(MEASURES)
     with whole_table(path, header) as file:
-        file.write(f"{header}\r\n")
+        beside = [] if model is None else model_header()
+        file.write(f"{','.join([header, *beside])}\r\n")
         lines = csv.writer(file)
-        for recording, measures in zip(recordings, found, strict=True):
+        for place, recording in enumerate(recordings):
+            measures = found[place]
             numbers = [row.factor * getattr(measures, name) for name, row in MEASURES.items()]
+            numbers += [] if model is None else model_row(model, place)
             lines.writerow([
                 for_spreadsheets(recording.name),
                 *(f"{value:.8g}" for value in (recording.duration, recording.rate, *numbers)),
@@ -177,7 +207,10 @@ def _write(path: Path, recordings: "list[Recording]", found: "list[SwayMeasures]
 
 
 def _facts(
-    recordings: "list[Recording]", found: "list[SwayMeasures]", low_pass: float | None
+    recordings: "list[Recording]",
+    found: "list[SwayMeasures]",
+    low_pass: float | None,
+    model: ModelBeside | None,
 ) -> dict[str, Any]:
     from standfast.recordings.measures import MEASURES
 
@@ -192,7 +225,8 @@ def _facts(
                 "rate": recording.rate,
                 "measures": measures._asdict(),
                 "remarks": [_of_options(each) for each in recording.remarks],
+                **({} if model is None else {"model": model_facts(model, place)}),
             }
-            for recording, measures in zip(recordings, found, strict=True)
+            for place, (recording, measures) in enumerate(zip(recordings, found, strict=True))
         ],
     }

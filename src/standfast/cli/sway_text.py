@@ -1,9 +1,12 @@
 """The measures of recordings as text: of one a line a measure, of several a line a recording."""
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from standfast.cli.sway_model import columns_beside, model_in_words
 
 if TYPE_CHECKING:
+    from standfast.cli.sway_model import ModelBeside
     from standfast.recordings.measures import SwayMeasures
     from standfast.recordings.recording import Recording
 
@@ -16,6 +19,12 @@ SHORT = {
     "mean_frequency": "mean f",
     "median_frequency": "median f",
 }
+# And beside the model of several.
+BESIDE = {
+    "sd_ap": "SD AP",
+    "mean_velocity_ap": "velocity AP",
+    "mean_frequency_ap": "mean f AP",
+}
 
 
 def print_measures(
@@ -23,6 +32,7 @@ def print_measures(
     found: Sequence["SwayMeasures"],
     remarks: Sequence[Sequence[str]],
     low_pass: float | None,
+    model: "ModelBeside | None" = None,
 ) -> None:
     """Print what was found, in the units of the field, and what is to be said of each."""
     filtered = "no filter" if low_pass is None else f"low-pass at {low_pass:g} Hz"
@@ -30,10 +40,15 @@ def print_measures(
         (recording,), (measures,) = recordings, found
         seconds = recording.ap.size / recording.rate
         print(f"{recording.name}: {seconds:.4g} s at {recording.rate:.6g} Hz, {filtered}\n")
-        print_columns({"recording": measures})
+        columns = [{"recording": measures}] if model is None else columns_beside(model, found)
+        print_columns(*columns)
     else:
         print(f"{len(recordings)} recordings, {filtered}\n")
         _print_rows(recordings, found)
+        if model is not None:
+            _print_rows_beside(recordings, list(columns_beside(model, found)))
+    if model is not None:
+        print(f"\n{model_in_words(model, low_pass)}")
     if any(remarks):
         print()
     told: dict[str, list[str]] = {}
@@ -46,15 +61,44 @@ def print_measures(
         print(f"  note: {where}{remark}")
 
 
-def print_columns(columns: dict[str, "SwayMeasures"]) -> None:
-    """Print a line a measure, and a column each of those who have them, by its title."""
+def print_columns(columns: Mapping[str, Any]) -> None:
+    """Print a line a measure that anybody has, and a column each of those who have some."""
+    from standfast.recordings.expected import MODELLED
     from standfast.recordings.measures import MEASURES
 
-    width = max(len(row.meaning) for row in MEASURES.values())
+    rows = {
+        name: row
+        for name, row in {**MEASURES, **MODELLED}.items()
+        if any(hasattr(each, name) for each in columns.values())
+    }
+    width = max(len(row.meaning) for row in rows.values())
     print(f"  {'':{width}}  {'':5}" + "".join(f"{title:>12}" for title in columns))
-    for name, row in MEASURES.items():
-        values = "".join(f"{row.factor * getattr(each, name):12.4g}" for each in columns.values())
-        print(f"  {row.meaning:{width}}  {row.printed:5}{values}")
+    for name, row in rows.items():
+        values = (_entry(each, name, row.factor) for each in columns.values())
+        print(f"  {row.meaning:{width}}  {row.printed:5}" + "".join(f"{v:>12}" for v in values))
+
+
+def _entry(of: Any, name: str, factor: float) -> str:
+    return f"{factor * getattr(of, name):.4g}" if hasattr(of, name) else "–"
+
+
+def _print_rows_beside(
+    recordings: Sequence["Recording"], columns: Sequence[Mapping[str, Any]]
+) -> None:
+    """Print of each recording what the model predicts beside what was found."""
+    from standfast.recordings.expected import MODELLED
+
+    width = min(40, max(len(recording.name) for recording in recordings))
+    heads = [word for head in BESIDE.values() for word in (head, "model")]
+    units = [MODELLED[name].printed for name in BESIDE for _ in range(2)]
+    print()
+    for words in (heads, units):
+        print(f"  {'':{width}}" + "".join(f"{word:>14}" for word in words))
+    for recording, both in zip(recordings, columns, strict=True):
+        values = (
+            _entry(each, name, MODELLED[name].factor) for name in BESIDE for each in both.values()
+        )
+        print(f"  {recording.name:{width}}" + "".join(f"{value:>14}" for value in values))
 
 
 def _print_rows(recordings: Sequence["Recording"], found: Sequence["SwayMeasures"]) -> None:

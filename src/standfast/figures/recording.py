@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from standfast.figures.style import BLUE, GREY, PAGE, VERMILION, paper_figure, save
+from standfast.recordings.expected import ExpectedSway
 from standfast.recordings.measures import (
     CopSpectrum,
     SwayMeasures,
@@ -57,13 +58,30 @@ def course(ax: Axes, time: np.ndarray, ap: np.ndarray, ml: np.ndarray) -> None:
     ax.spines["left"].set_visible(False)
 
 
-def spectra(ax: Axes, spectrum: CopSpectrum, measures: SwayMeasures) -> None:
-    """Draw the spectra of both directions, mm²/Hz, and mean and median frequency of their sum."""
+def spectra(
+    ax: Axes,
+    spectrum: CopSpectrum,
+    measures: SwayMeasures,
+    model: ExpectedSway | None = None,
+) -> None:
+    """Draw the spectra of both directions, mm²/Hz, and mean and median frequency of their sum.
+
+    Beside them a model's, anterior-posterior, if any is given.
+    """
     drawn = (spectrum.frequency > 0.0) & (spectrum.frequency <= HIGHEST)
     hertz = spectrum.frequency[drawn]
     styles = ((spectrum.ap, BLUE, "-", "AP"), (spectrum.ml, VERMILION, "--", "ML"))
     for density, color, line, name in styles:
         ax.plot(hertz, 1e6 * density[drawn], color=color, linestyle=line, linewidth=0.9, label=name)
+    if model is not None:
+        ax.plot(
+            model.frequency[drawn],
+            1e6 * model.density[drawn],
+            color="black",
+            linestyle=(0, (4, 1.2, 1, 1.2)),
+            linewidth=1.6,
+            label="AP, model",
+        )
     for value, line, name in (
         (measures.mean_frequency, "-", "mean"),
         (measures.median_frequency, ":", "median"),
@@ -74,14 +92,18 @@ def spectra(ax: Axes, spectrum: CopSpectrum, measures: SwayMeasures) -> None:
 
 
 def draw_recording(
-    path: Path, recording: Recording, measures: SwayMeasures, low_pass: float | None
+    path: Path,
+    recording: Recording,
+    measures: SwayMeasures,
+    low_pass: float | None,
+    model: ExpectedSway | None = None,
 ) -> list[Path]:
-    """Draw a recording into a file."""
+    """Draw a recording into a file, and the spectrum of a model beside its own."""
     ap, ml = filtered(recording, low_pass)
     with paper_figure(width=PAGE, height=2.5, panels=(1, 3)) as (figure, (left, middle, right)):
         statokinesigram(left, ap, ml)
         course(middle, recording.time, ap, ml)
-        spectra(right, cop_spectrum(recording, low_pass=low_pass), measures)
+        spectra(right, cop_spectrum(recording, low_pass=low_pass), measures, model)
         left.set_title(f"95 % ellipse {1e6 * measures.area:.3g} mm²")
         middle.set_title(f"mean velocity {1e3 * measures.mean_velocity:.3g} mm/s")
         right.set_title(

@@ -11,7 +11,7 @@ from standfast.fitting.likelihood import Target
 from standfast.fitting.moments import FREQUENCY, MADE_OF, VELOCITY
 from standfast.fitting.window import window
 from standfast.numerics.arrays import TURN
-from standfast.recordings.measures import cop_spectrum, sway_measures
+from standfast.recordings.measures import cop_spectrum, mean_and_median, sway_measures
 from standfast.recordings.recording import SHORTEST, Recording, checked_rate
 from standfast.stability.sway.density import LOW_PASS
 
@@ -96,11 +96,11 @@ def sagittal_measures(recording: Recording, *, low_pass: float | None = None) ->
     """
     of_both = sway_measures(recording, low_pass=low_pass)
     hertz, density, _ = cop_spectrum(recording, low_pass=low_pass)
-    frequency = np.trapezoid(hertz * density, hertz) / np.trapezoid(density, hertz)
+    frequency, _ = mean_and_median(hertz, density)
     return {
         "sd_ap": of_both.sd_ap,
         VELOCITY: of_both.mean_velocity_ap,
-        FREQUENCY: float(frequency),
+        FREQUENCY: frequency,
     }
 
 

@@ -19,7 +19,15 @@ from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.links import OneLink, TwoLinks
 from standfast.mechanics.matrices import gravity_loads
 from standfast.numerics.arrays import Array
-from standfast.parameters import DAMPING_UNIT, JOINTS, STIFFNESS_UNIT
+from standfast.parameters import (
+    DAMPING_UNIT,
+    DAMPINGS,
+    JOINTS,
+    LOOPS,
+    STIFFNESS_UNIT,
+    STIFFNESSES,
+    gain_name,
+)
 
 PER_RADIAN = 180.0 / math.pi
 # What a printed unit is in N·m/rad (N·m·s/rad) of both legs; None: the law's own load m g h.
@@ -134,6 +142,24 @@ class Law:
         """All arguments of a public function: ``critical_delay(**law.person)``."""
         names = ("body", "stiffness", "gravity", "damping", "feedback")
         return {name: getattr(self, name) for name in names}
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Stiffness, damping, gains and delay by the names of parameters, but what is 0."""
+        nerves = {
+            gain_name(kind, moment, rotation): float(
+                gains[JOINTS.index(moment), JOINTS.index(rotation)]
+            )
+            for kind, gains in zip(("proportional", "derivative"), self.feedback, strict=False)
+            for moment, rotation in LOOPS
+        }
+        # no law damps one joint by the motion of another
+        nerves |= dict(zip(DAMPINGS, map(float, self.damping.diagonal()), strict=True))
+        return {
+            **dict(zip(STIFFNESSES, self.stiffness.joints, strict=True)),
+            **{name: number for name, number in nerves.items() if number},
+            "feedback_delay": self.delay,
+        }
 
     def _matrix(self, printed: Printed) -> Array:
         """Return what is printed as a matrix (3, 3) of ankle, knee, hip, in our unit."""

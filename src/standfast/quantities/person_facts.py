@@ -34,7 +34,7 @@ def facts_with_feedback(person: Person) -> dict[str, Any]:
     the sway that is lost at the critical delay; None if none is), ``unstable_roots``, and
     ``rightmost_root`` (real and imaginary part, 1/s). What rounding leaves open is None.
     """
-    damping, late = _nerves_of(person)
+    damping, late = nerves_of(person)
     of = (person.body, person.stiffness, person.gravity)
 
     def unless_open(function: Callable[..., Any]) -> Any:
@@ -78,7 +78,7 @@ def facts_of_sway(person: Person) -> dict[str, Any] | None:
     turns = [math.isfinite(float(stiffness)) for stiffness in person.stiffness.joints]
     if not any(one and there for one, there in zip(noise, turns, strict=True)):
         return None
-    damping, late = _nerves_of(person)
+    damping, late = nerves_of(person)
     of = (person.body, person.stiffness, person.gravity)
     given: dict[str, Any] = {"damping": damping, "feedback": late, "noise": noise}
     covariance: list[list[float | None]] = [[None] * len(JOINTS) for _ in JOINTS]
@@ -102,7 +102,7 @@ def facts_of_sway(person: Person) -> dict[str, Any] | None:
     }
 
 
-def _nerves_of(person: Person) -> tuple[list[list[Any]], Feedback]:
+def nerves_of(person: Person) -> tuple[list[list[Any]], Feedback]:
     """Return the damping matrix and the feedback of a person."""
     given = person.given
     damping = [list(row) for row in damping_rows(given)]

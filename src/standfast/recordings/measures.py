@@ -113,7 +113,7 @@ def sway_measures(recording: Recording, *, low_pass: float | None = None) -> Swa
     time = recording.duration
     path = float(np.hypot(*steps).sum())
     spectrum = cop_spectrum(recording, low_pass=low_pass)
-    mean, median = _frequencies(spectrum.frequency, spectrum.ap + spectrum.ml)
+    mean, median = mean_and_median(spectrum.frequency, spectrum.ap + spectrum.ml)
     covariance = np.cov(ap, ml)
     return SwayMeasures(
         area=math.pi * math.sqrt(np.linalg.det(covariance)) * ellipse_factor(ap.size),
@@ -193,8 +193,8 @@ def ellipse_factor(count: int) -> float:
     return 2.0 * (count - 1) * (count + 1) / (count * m) * quantile
 
 
-def _frequencies(hertz: Array, density: Array) -> tuple[float, float]:
-    """Return mean and median frequency of a density."""
+def mean_and_median(hertz: Array, density: Array) -> tuple[float, float]:
+    """Return mean and median frequency (Hz) of a density."""
     mean = np.trapezoid(hertz * density, hertz) / np.trapezoid(density, hertz)
     slices = 0.5 * (density[1:] + density[:-1]) * np.diff(hertz)
     below = np.concatenate([[0.0], np.cumsum(slices)])

@@ -29,6 +29,7 @@ RESULTS = ROOT / "results" / "sway-fit" / "information.md"
 LAWS = ("dec-2015", "light-touch-2017", "pasma-2017")
 DRAWN_LAWS = (*LAWS, "opty-park-2004", "wang-pd-sto3", "wang-fpd-sto3")
 SECONDS, DRAWN, LOW_PASS = 60.0, 1000, 10.0
+PARTS = 10  # that they are drawn in
 MEASURES = ("sd_ap", VELOCITY, FREQUENCY)
 WORDS = ("SD", "mean velocity", "mean frequency")
 BAND = (1.0 / SECONDS, LOW_PASS)  # Hz
@@ -51,10 +52,15 @@ def main() -> None:
         found = likelihood_of(name, OPEN)
         moments = found.moments(own_point(found))
         error = np.sqrt(np.diagonal(moments.covariance))
-        cops = centres_of_pressure(
-            sf.LAWS[name].person, np.ones(3), seconds=SECONDS, count=DRAWN, seed=60
+        parts = (
+            centres_of_pressure(
+                sf.LAWS[name].person, np.ones(3), seconds=SECONDS, count=DRAWN // PARTS, seed=part
+            )
+            for part in range(PARTS)
         )
-        logs = np.log([list(sagittal_measures(recording(cop)).values()) for cop in cops])
+        logs = np.log(
+            [list(sagittal_measures(recording(cop)).values()) for cops in parts for cop in cops]
+        )
         spread = logs.std(axis=0, ddof=1)
         off, ratio = (logs.mean(axis=0) - moments.mean) / spread, error / spread
         cells = (f"{a:+.2f}, {b:.2f}" for a, b in zip(off, ratio, strict=True))

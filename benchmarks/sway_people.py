@@ -115,7 +115,8 @@ def _of_law(law: str, rows: list[dict[str, Any]]) -> list[str]:
         f"\n## {law}\n",
         "Medians and quartiles over trials. Interval: median of both ends of the 95 % intervals. "
         "Trials: SD between the trials of a person, of logarithms, and what the intervals let "
-        "expect. Agreement: intraclass correlation ICC(1,1) of logarithms, 95 % interval.\n",
+        "expect; of numbers near 0 the few smallest make them. Agreement: intraclass correlation "
+        "ICC(1,1) of logarithms, 95 % interval.\n",
         "| | median (quartiles) | interval | trials, found / expected (%) | agreement |",
         "|---|---|---|---|---|",
     ]

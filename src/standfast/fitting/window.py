@@ -31,6 +31,7 @@ MEMORY = 180.0
 SLOW = 6.0
 # From so many of Welch's bins on, Φ is 1 and f to 1e-6.
 BINS = 20
+SAMPLES = 3000  # of a window of slow waves: more of them look the same
 
 
 class Window(NamedTuple):
@@ -97,15 +98,16 @@ def _of_mean(hertz: np.ndarray, count: int, rate: float) -> np.ndarray:
 
 def _welch(hertz: np.ndarray, count: int, rate: float) -> tuple[np.ndarray, np.ndarray]:
     """Return Φ of ∫ P df and ∫ f P df, by trapezoids: of slow waves as Welch's method finds it."""
-    length = window_of(count, rate)
+    seconds = window_of(count, rate) / rate
     folded = abs(hertz - rate * np.round(hertz / rate))
-    slow = np.flatnonzero(hertz * length < BINS * rate)
-    waves = np.exp(2j * np.pi / rate * hertz[slow, None] * np.arange(length))
+    slow = np.flatnonzero(hertz * seconds < BINS)
+    length = min(window_of(count, rate), SAMPLES)
+    waves = np.exp(2j * np.pi * hertz[slow, None] * seconds / length * np.arange(length))
     shape = signal.get_window("hann", length)
     power = abs(fft.fft(shape * (waves - waves.mean(axis=1, keepdims=True)), axis=1)) ** 2
-    bins = abs(fft.fftfreq(length, 1.0 / rate))
+    bins = abs(fft.fftfreq(length, seconds / length))
     # one-sided densities are twice two-sided ones, but not at the ends, where a trapezoid halves
-    power[:, (bins == 0.0) | (bins == 0.5 * rate)] *= 0.5
+    power[:, (bins == 0.0) | (bins == bins.max())] *= 0.5
     power /= length * (shape**2).sum()
     plain, times_f = np.ones_like(hertz), folded.copy()
     plain[slow], times_f[slow] = power.sum(axis=1), power @ bins

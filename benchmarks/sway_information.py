@@ -29,6 +29,7 @@ RESULTS = ROOT / "results" / "sway-fit" / "information.md"
 LAWS = ("dec-2015", "light-touch-2017", "pasma-2017")
 DRAWN_LAWS = (*LAWS, "opty-park-2004", "wang-pd-sto3", "wang-fpd-sto3")
 SECONDS, DRAWN, LOW_PASS = 60.0, 1000, 10.0
+NOISE = 0.1  # N·m·√s: nothing that is told depends on it
 PARTS = 10  # that they are drawn in
 MEASURES = ("sd_ap", VELOCITY, FREQUENCY)
 WORDS = ("SD", "mean velocity", "mean frequency")
@@ -54,7 +55,11 @@ def main() -> None:
         error = np.sqrt(np.diagonal(moments.covariance))
         parts = (
             centres_of_pressure(
-                sf.LAWS[name].person, np.ones(3), seconds=SECONDS, count=DRAWN // PARTS, seed=part
+                sf.LAWS[name].person,
+                np.full(3, NOISE),
+                seconds=SECONDS,
+                count=DRAWN // PARTS,
+                seed=part,
             )
             for part in range(PARTS)
         )
@@ -91,9 +96,9 @@ def likelihood_of(name: str, free: tuple[str, ...]) -> Likelihood:
 
 
 def own_point(likelihood: Likelihood) -> np.ndarray:
-    """Return the point of the law itself, its noise 1."""
+    """Return the point of the law itself, with some noise."""
     points = likelihood.points
-    each = {"proportional_gain": 1.0 - points.lowest, DELAY: points.family.delay}
+    each = {"noise": NOISE, "proportional_gain": 1.0 - points.lowest, DELAY: points.family.delay}
     return np.log([each.get(name, 1.0) for name in points.family.free])
 
 

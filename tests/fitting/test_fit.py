@@ -107,6 +107,22 @@ def test_the_noise_alone_has_an_interval_of_its_own():
     assert fixed.low == fixed.value == fixed.high
 
 
+def test_two_joints_are_held_by_their_own_law_and_one_of_them_is_noisy():
+    sizes = {**TYPICAL, "sd_ankle": 0.004, "sd_hip": 0.004}
+    found = sf.fit_sway(sizes, "opty-park-2004", BODY, free=["noise"], noisy=["ankle"])
+    assert [*found.measures] == [*sizes]
+    assert found.noise == (found.parameters["noise"].value, 0.0, 0.0)
+    covariance = sf.sway_covariance(**found.person, noise=found.noise)
+    # 60 s miss little of what this law's slowest sway is
+    assert found.measures["sd_hip"].model == pytest.approx(math.sqrt(covariance[2, 2]), rel=0.1)
+
+
+def test_one_measure_cannot_tell_two_numbers():
+    given = {"mean_velocity_ap": 0.0058}
+    found = sf.fit_sway(given, "dec-2015", BODY, free=["noise", "derivative_gain"])
+    assert "1 measure cannot tell 2 parameters." in found.status
+
+
 def test_a_shorter_recording_says_less(typical):
     short = sf.fit_sway(TYPICAL, "dec-2015", BODY, duration=15.0)
     for name, estimate in short.parameters.items():
@@ -137,6 +153,9 @@ WRONG = {
     "its angle": ({"measured": {"sd_hip": 0.004}}, "sd_hip is given, but the law holds the hip"),
     "one motion": (
         {"measured": {"sd_com": 0.004, "sd_ankle": 0.004}}, "sd_com and sd_ankle are one motion",
+    ),
+    "a frequency": (
+        {"measured": {"mean_frequency_ap": 0.23}}, "mean_frequency_ap alone does not depend on",
     ),
     "two delays": ({"delay": 0.1, "free": ["feedback_delay"]}, "delay = 0.1 s is given, and"),
     "a delay": ({"delay": 100.0}, "delay = 100"),

@@ -30,6 +30,7 @@ from standfast.fitting.family import (
 )
 from standfast.fitting.likelihood import Likelihood
 from standfast.fitting.measured import POSSIBLE, Measured, checked_measures
+from standfast.fitting.moments import FREQUENCY
 from standfast.fitting.region import CONFIDENCE, Region, region_of
 from standfast.fitting.result import Estimate, Fitted, SwayFit
 from standfast.fitting.search import best_point, coarse_grid
@@ -93,6 +94,11 @@ def fit_sway(
     """
     family = _checked_family(law, body, gravity, free, delay, noisy)
     given = checked_measures(measured, duration, rate, low_pass, family.law.joints)
+    if NOISE in family.free and [*given.values] == [FREQUENCY]:
+        raise InputError(
+            f"{FREQUENCY} alone does not depend on the noise; give an SD or the velocity too, or "
+            "leave noise out of free"
+        )
     likelihood = Likelihood(points_of(family), given.target)
     coarse = coarse_grid(likelihood)
     best = best_point(likelihood, coarse)

@@ -36,14 +36,15 @@ def status_of(
         found = measures[worst]
         more = "more" if found.model > found.measured else "less"
         ratio = max(found.model / found.measured, found.measured / found.model)
-        open_to_it = " and ".join(NAMES[name] for name in parameters)
+        open_to_it = ", ".join(NAMES[name] for name in parameters)
         said = [
             f"{law} does not explain the measures, whatever its {open_to_it}: the nearest person "
             f"has {ratio:.2g} times {more} {NAMES[worst]}. Margins are those of this person, and "
             "mean little."
         ]
     if len(parameters) > count:
-        said.append(f"{count} measures cannot tell {len(parameters)} parameters.")
+        given = "1 measure" if count == 1 else f"{count} measures"
+        said.append(f"{given} cannot tell {len(parameters)} parameters.")
     for name, estimate in parameters.items():
         below, above = estimate.open
         if below and above:

@@ -37,7 +37,7 @@ def own_point(likelihood):
     return np.log([each.get(name, 1.0) for name in likelihood.points.family.free])
 
 
-@pytest.mark.parametrize("law", ["dec-2015", "pasma-2017", "opty-park-2004"])
+@pytest.mark.parametrize("law", ["dec-2015", "opty-park-2004"])
 def test_recordings_drawn_at_random_have_these_moments(law):
     likelihood = likelihood_of(law)
     found = likelihood.moments(own_point(likelihood))

@@ -3,7 +3,7 @@
 Santos & Duarte, PeerJ 4 (2016) e2648 (163 people, "BDS"), and dos Santos et al., PeerJ 5 (2017)
 e3626 (49 people, "PDS"), CC BY 4.0; in the folder that ``STANDFAST_SWAY`` names, or in
 ``shared/data/sway`` beside the checkout. Only what is said here of groups leaves this module, but
-for :func:`people`, whose persons stay within the script.
+for :func:`people` and :func:`trials`, which stay within the script.
 """
 
 import csv
@@ -65,6 +65,22 @@ def recorded() -> tuple[Norms, np.ndarray, np.ndarray, int]:
     }
     hertz, density = welch(ap, RATE)
     return norms, hertz, density, len({row["subject"] for row in rows})
+
+
+def trials() -> list[tuple[str, float, float, np.ndarray]]:
+    """Return person, height (m), mass (kg) and CoP (n, 2), m, AP first, of the young."""
+    rows = list(_rows("bds_trials.csv", vision="Open", surface="Firm", age_group="Young"))
+    with np.load(DATA / "bds_cop_firm.npz") as kept:
+        return [
+            (
+                row["subject"],
+                0.01 * float(row["height_cm"]),
+                float(row["mass_kg"]),
+                np.array(kept[row["trial"]], float) * 0.01,
+            )
+            for row in rows
+            if row["trial"] in kept
+        ]
 
 
 def people() -> dict[str, np.ndarray]:

@@ -40,6 +40,7 @@ ROOMS = [
     "population.summary",
     "population",
     "recordings",
+    "fitting",
     "thresholds",
     "figures",
     "plot",

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from standfast.atlas.opening import open_atlas
     from standfast.atlas.reader import Atlas
     from standfast.atlas.sweeping import sweep
+    from standfast.fitting.fit import fit_sway
+    from standfast.fitting.result import SwayFit
     from standfast.mechanics.laws import LAWS
     from standfast.population.assess import assess
     from standfast.population.people.records import read_people
@@ -67,6 +69,8 @@ LAZY = {
     "SwayMeasures": "standfast.recordings.measures",
     "read_recording": "standfast.recordings.reading",
     "sway_measures": "standfast.recordings.measures",
+    "SwayFit": "standfast.fitting.result",
+    "fit_sway": "standfast.fitting.fit",
 }
 
 __all__ = [
@@ -85,6 +89,7 @@ __all__ = [
     "Spectrum",
     "Stiffness",
     "Study",
+    "SwayFit",
     "SwayMeasures",
     "__version__",
     "add_quantity",
@@ -95,6 +100,7 @@ __all__ = [
     "delay_crossings",
     "equal_rotation",
     "expected_sway",
+    "fit_sway",
     "frequency",
     "growth_rate",
     "inertia_matrix",

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from standfast.cli.parsing import add_command, made_room, output_file
+from standfast.cli.sway_fit import add_fit_options, fit_facts, fits_of, print_fits
 from standfast.cli.sway_model import (
     COLUMN_UNITS,
     ModelBeside,
@@ -69,6 +70,7 @@ def add(commands: Any) -> None:
     parser.add_argument("--csv", type=Path, metavar="FILE.csv", help=words)
     parser.add_argument("--json", action="store_true", help="everything as one JSON object, in SI")
     add_model_options(parser)
+    add_fit_options(parser)
 
 
 def _sway(options: argparse.Namespace) -> None:
@@ -81,7 +83,8 @@ def _sway(options: argparse.Namespace) -> None:
         found = [sway_measures(each, low_pass=low_pass) for each in recordings]
     except InputError as error:
         raise InputError(_of_options(str(error))) from None
-    model = model_beside(options, recordings, low_pass)
+    fits = fits_of(options, recordings, low_pass)
+    model = None if fits else model_beside(options, recordings, low_pass)
     written = [*figures]
     if options.csv:
         _write(options.csv, recordings, found, model)
@@ -95,14 +98,15 @@ def _sway(options: argparse.Namespace) -> None:
                 made_room(path, options.output), recording, found[place], low_pass, shown
             )
     if options.json:
-        print(
-            json.dumps(
-                _facts(recordings, found, low_pass, model), ensure_ascii=False, allow_nan=False
-            )
-        )
+        facts = _facts(recordings, found, low_pass, model)
+        for each, fit in zip(facts["recordings"], fits, strict=False):  # none, or of all
+            each["fit"] = fit_facts(fit)
+        print(json.dumps(facts, ensure_ascii=False, allow_nan=False))
         return
     remarks = [[_of_options(each) for each in recording.remarks] for recording in recordings]
     print_measures(recordings, found, remarks, low_pass, model)
+    if fits:
+        print_fits(recordings, fits)
     if written:
         print(f"\nWritten: {', '.join(map(str, written))}")
 

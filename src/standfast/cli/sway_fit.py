@@ -1,0 +1,125 @@
+"""The fit of a law to recordings, for ``standfast sway --fit``: as text and for JSON."""
+
+import argparse
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from standfast.cli.person_options import person_given
+from standfast.errors import InputError
+
+if TYPE_CHECKING:
+    from standfast.fitting.result import Estimate, SwayFit
+    from standfast.recordings.recording import Recording
+
+ALL = "noise,proportional_gain,derivative_gain"
+# What a law and the fit say, so that options must not.
+OF_LAW = ("ankle", "knee", "hip", "damping", "proportional", "derivative", "noise")
+# The field's unit of a measure, and how many it has of ours.
+PRINTED = {"m": ("mm", 1e3), "m/s": ("mm/s", 1e3), "Hz": ("Hz", 1.0), "rad": ("°", 180.0 / math.pi)}
+
+
+def add_fit_options(parser: argparse.ArgumentParser) -> None:
+    """Declare the option."""
+    words = (
+        "find which noise and gains of --law, on the body given, explain each recording, with "
+        f"95 %% intervals, and how far from falling that is; PARAMETERS of {ALL},feedback_delay "
+        f"(default: {ALL}); a second or more a recording"
+    )
+    parser.add_argument("--fit", nargs="?", const=ALL, metavar="PARAMETERS", help=words)
+
+
+def fits_of(
+    options: argparse.Namespace, recordings: "Sequence[Recording]", low_pass: float | None
+) -> "list[SwayFit]":
+    """Return a fit of each recording; none if none is asked for.
+
+    Raises
+    ------
+    InputError
+        if the person or the law is not whole, or options say what the fit is to find.
+    """
+    if options.fit is None:
+        return []
+    from standfast.fitting.fit import fit_sway
+    from standfast.quantities.person_facts import person_of
+
+    if options.law is None:
+        raise InputError("--fit needs the law whose noise and gains it finds: --law dec-2015")
+    for name in OF_LAW:
+        if getattr(options, name) not in (None, []):
+            raise InputError(f"--{name} beside --fit: springs and damping are the law's, and noise "
+                             "and gains are found")  # fmt: skip
+    given = person_given(options, options.start)
+    person, free = person_of(given.parameters), [each.strip() for each in options.fit.split(",")]
+    delay = None if options.delay is None else float(given.parameters["feedback_delay"])
+    found = []
+    for recording in recordings:
+        try:
+            found.append(
+                fit_sway(
+                    recording,
+                    options.law,
+                    person.body,
+                    float(person.gravity),
+                    free=free,
+                    delay=delay,
+                    low_pass=low_pass,
+                )
+            )
+        except InputError as error:
+            raise InputError(f"--fit: {error}") from None
+    return found
+
+
+def print_fits(recordings: "Sequence[Recording]", fits: "Sequence[SwayFit]") -> None:
+    """Print each fit: parameters, margins, measures beside the recording's, and the status."""
+    for recording, fit in zip(recordings, fits, strict=True):
+        of = f" to {recording.name}" if len(recordings) > 1 else ""
+        print(f"\nFit of {fit.law}{of}, with 95 % intervals\n")
+        for name, estimate in {**fit.parameters, **fit.margins}.items():
+            print(f"  {_in_words(name):38}{_number(estimate)}")
+        print(f"\n  {'':38}{'recording':>10}{'model':>10}   chance")
+        for name, each in fit.measures.items():
+            unit, factor = PRINTED[each.unit]
+            pair = f"{factor * each.measured:10.4g}{factor * each.model:10.4g}"
+            print(f"  {_in_words(name):30}{unit:8}{pair}   ± {100.0 * each.spread:.0f} %")
+        print(f"\n  {fit.status}")
+
+
+def fit_facts(fit: "SwayFit") -> dict[str, Any]:
+    """Return what JSON says of a fit, in SI; infinite numbers as None."""
+    return {
+        "law": fit.law,
+        "parameters": {name: _facts(each) for name, each in fit.parameters.items()},
+        "margins": {name: _facts(each) for name, each in fit.margins.items()},
+        "measures": {name: each._asdict() for name, each in fit.measures.items()},
+        "p_value": fit.p_value,
+        "explained": fit.explained,
+        "status": fit.status,
+    }
+
+
+def _facts(estimate: "Estimate") -> dict[str, Any]:
+    numbers = {name: getattr(estimate, name) for name in ("value", "low", "high")}
+    return {
+        **{name: number if math.isfinite(number) else None for name, number in numbers.items()},
+        "unit": estimate.unit,
+        "open": list(estimate.open),
+    }
+
+
+def _in_words(name: str) -> str:
+    from standfast.fitting.words import NAMES
+
+    return NAMES.get(name, name.replace("_", " "))
+
+
+def _number(estimate: "Estimate") -> str:
+    unit = "" if estimate.unit == "1" else f" {estimate.unit}"
+    low, high = (f"{end:.4g}" for end in estimate[1:3])
+    ends = (
+        f"{low}, or less" if estimate.open[0] else low,
+        f"{high}, or more" if estimate.open[1] else high,
+    )
+    return f"{estimate.value:10.4g}{unit:12}  {ends[0]} to {ends[1]}"

@@ -1,0 +1,192 @@
+"""A law on a person's body, of which noise, gains and delay are open: points, and what they mean.
+
+The law's stiffness, damping and gains are multiples of m g h of its own body; on another body they
+are the same multiples of that body's. Of the gains all proportional ones have one factor p, all
+derivative ones one factor d. A point holds log σ, log(p − p₀), log d and log τ of what is open;
+below p₀ the person falls at any damping, because det(C + p P) is 0 there.
+
+notation: C stiffness less gravity, P and D gains of the law, τ delay, σ noise.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy import linalg
+
+from standfast.anthropometry.body import Body
+from standfast.mechanics.feedback import Feedback
+from standfast.mechanics.joints import Stiffness
+from standfast.mechanics.law import Law
+from standfast.mechanics.matrices import gravity_loads, joint_gravity
+from standfast.parameters import DAMPING_UNIT, JOINTS, STIFFNESS_UNIT
+from standfast.stability.delay.persons import all_crossings, all_rightmost
+from standfast.stability.delay.table import Crossings
+from standfast.stability.feedback import numbers_of
+from standfast.stability.sway.density import Swaying
+from standfast.stability.sway.persons import swaying_of
+from standfast.stability.sway.responses import Change
+
+NOISE, PROPORTIONAL, DERIVATIVE, DELAY = (
+    "noise", "proportional_gain", "derivative_gain", "feedback_delay",
+)  # fmt: skip
+OPEN = (NOISE, PROPORTIONAL, DERIVATIVE)  # what is fitted unless it is said
+# How far each is looked for: as factors of the law's, of p what is above p₀; of τ in s. A p nearer
+# to p₀ is slower than any recording tells.
+LIMITS = {
+    NOISE: (1e-6, 1e6), PROPORTIONAL: (3e-4, 10.0), DERIVATIVE: (0.03, 30.0), DELAY: (5e-3, 1.0),
+}  # fmt: skip
+UNITS = {
+    NOISE: "N·m·√s", PROPORTIONAL: STIFFNESS_UNIT, DERIVATIVE: DAMPING_UNIT, DELAY: "s",
+    "critical_delay": "s", "delay_margin": "s", "decay_rate": "1/s", "safety_factor": "1",
+}  # fmt: skip
+MARGINS = ("critical_delay", "delay_margin", "decay_rate", "safety_factor")
+
+
+class Candidate(NamedTuple):
+    """One point: the person with its noise (1 at noisy joints, not σ), and how the gains change.
+
+    ``noise`` is log σ; ``changes`` are those of the point's other coordinates.
+    """
+
+    swaying: Swaying
+    noise: float
+    changes: tuple[Change, ...]
+
+
+class Family(NamedTuple):
+    """A law on a body, and what of it is open.
+
+    Attributes
+    ----------
+    law : the law; body, gravity (m/s²) : the person
+    delay : s, unless it is open
+    noisy : (3,), which joints' torques are noisy
+    free : what is open, in the order of a point's coordinates
+    """
+
+    law: Law
+    body: Body
+    gravity: float
+    delay: float
+    noisy: tuple[bool, ...]
+    free: tuple[str, ...]
+
+    @property
+    def scale(self) -> float:
+        """What topples the body, m g h, over what topples the law's."""
+        return float(sum(gravity_loads(self.body, self.gravity))) / self.law.load
+
+    @property
+    def nerves(self) -> tuple[Stiffness, np.ndarray, Feedback]:
+        """Stiffness, damping and feedback of the law on this body."""
+        law, scale = self.law, self.scale
+        p, d, _ = law.feedback
+        return (
+            Stiffness(*(k * scale for k in law.stiffness.joints)),
+            scale * law.damping,
+            Feedback(scale * p, scale * d, self.delay),
+        )
+
+    @property
+    def numbers(self) -> tuple[np.ndarray, np.ndarray]:
+        """A, B, C, P, D as (5, 3, 3, 1), and which joints are rigid, (3, 1), of the law itself."""
+        return numbers_of(self.body, self.nerves[0], self.gravity, *self.nerves[1:])
+
+
+class Points(NamedTuple):
+    """The points of a family: what is the same for all of them, found once."""
+
+    family: Family
+    numbers: np.ndarray
+    rigid: np.ndarray
+    lowest: float
+
+    @property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """The least and the largest coordinates."""
+        low, high = np.log([LIMITS[name] for name in self.family.free]).T
+        return low, high
+
+    def factors(self, point: np.ndarray) -> dict[str, float]:
+        """Return σ, p, d and τ, of what is not open those of the law."""
+        found = {NOISE: 1.0, PROPORTIONAL: 1.0, DERIVATIVE: 1.0, DELAY: self.family.delay}
+        for name, value in zip(self.family.free, np.exp(point), strict=True):
+            found[name] = float(value) + (self.lowest if name == PROPORTIONAL else 0.0)
+        return found
+
+    def values(self, point: np.ndarray) -> dict[str, float]:
+        """Return what is open as it is written: N·m·√s, the ankle's gains, s."""
+        factors = self.factors(point)
+        ankle = {PROPORTIONAL: self.numbers[3, 0, 0, 0], DERIVATIVE: self.numbers[4, 0, 0, 0]}
+        return {name: factors[name] * float(ankle.get(name, 1.0)) for name in self.family.free}
+
+    def at(self, point: np.ndarray) -> tuple[np.ndarray, float]:
+        """Return A, B, C, P, D and the delay at a point."""
+        factors = self.factors(point)
+        numbers = self.numbers.copy()
+        numbers[3] *= factors[PROPORTIONAL]
+        numbers[4] *= factors[DERIVATIVE]
+        return numbers, factors[DELAY]
+
+    def candidate(self, point: np.ndarray, *, slopes: bool = True) -> Candidate | None:
+        """Return the person at a point, with changes if ``slopes``; None who falls."""
+        numbers, delay = self.at(point)
+        if not _stands(all_crossings(numbers, self.rigid), delay):
+            return None
+        body, gravity = self.family.body, self.family.gravity
+        swaying = swaying_of(
+            numbers,
+            self.rigid,
+            np.array([delay]),
+            np.array(self.family.noisy, float)[:, None],
+            np.array(joint_gravity(body, gravity)[0], float)[:, None],
+            np.array([float(np.sum(body.segment_mass)) * gravity]),
+        )
+        factors, none = self.factors(point), np.zeros((3, 3))
+        open_share = 1.0 - self.lowest / factors[PROPORTIONAL]
+        each = {
+            PROPORTIONAL: Change(open_share * numbers[3, ..., 0], none, 0.0),
+            DERIVATIVE: Change(none, numbers[4, ..., 0], 0.0),
+            DELAY: Change(none, none, delay),
+        }
+        changes = tuple(each[name] for name in self.family.free if slopes and name != NOISE)
+        return Candidate(swaying, float(np.log(factors[NOISE])), changes)
+
+    def margins(self, point: np.ndarray) -> dict[str, float]:
+        """Return the margins of :data:`MARGINS` of who stands; NaN of what is not proven."""
+        numbers, delay = self.at(point)
+        critical = float(all_crossings(numbers, self.rigid).critical_delay()[0])
+        root, proven = all_rightmost(numbers, self.rigid, np.array([delay]))
+        free = np.ix_(*[np.flatnonzero(~self.rigid[:, 0])] * 2)
+        held = numbers[2, ..., 0][free] + numbers[3, ..., 0][free]
+        load = np.array(joint_gravity(self.family.body, self.family.gravity), float)[free]
+        # K + P may be divided until (K + P) v = s G v has a root s at 1
+        largest = np.linalg.eigvals(np.linalg.solve(held + load, load)).real.max()
+        return {
+            "critical_delay": critical,
+            "delay_margin": critical - delay,
+            "decay_rate": float(-root[0].real) if proven[0] else np.nan,
+            "safety_factor": float(1.0 / largest),
+        }
+
+
+def points_of(family: Family) -> Points:
+    """Return the points of a family."""
+    numbers, rigid = family.numbers
+    free = np.ix_(*[np.flatnonzero(~rigid[:, 0])] * 2)
+    c, p = (numbers[k, ..., 0][free] for k in (2, 3))
+    roots = linalg.eigvals(-c, p)
+    real = roots[np.isfinite(roots) & (abs(roots.imag) < 1e-9 * (1.0 + abs(roots)))].real
+    return Points(family, numbers, rigid, float(max(0.0, *real)) if real.size else 0.0)
+
+
+def noisy_joints(joints: tuple[str, ...]) -> tuple[bool, ...]:
+    """Return which of the three joints are named."""
+    return tuple(joint in joints for joint in JOINTS)
+
+
+def _stands(table: Crossings, delay: float) -> bool:
+    """Return whether the person stands; whom rounding leaves open, on the boundary, does not."""
+    if table.uncertain[0]:
+        return False
+    return bool(table.stable_at(np.array([delay]))[0, 0])

@@ -1,0 +1,210 @@
+"""Which noise and gains of a law explain a person's sway, and how far from falling that person is.
+
+1. The measures of the sagittal sway of a recording, or of a table: SD, mean velocity and mean
+   frequency of the centre of pressure, and optionally other SDs (:mod:`.measured`).
+2. A law, on the person's body, has noise and gains open (:mod:`.family`). Of each point the spectra
+   are known, and so expectation and covariance of the measures in recordings of this length
+   (:mod:`.moments`, :mod:`.likelihood`).
+3. The most likely point, and all that the measures do not speak against (:mod:`.search`,
+   :mod:`.region`): the estimates, and intervals of parameters and of margins.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy import stats
+
+from standfast.anthropometry.body import Body
+from standfast.errors import InputError, nearest_name, says_its_arguments, shortened
+from standfast.fitting.family import (
+    DELAY,
+    MARGINS,
+    NOISE,
+    OPEN,
+    UNITS,
+    Family,
+    Points,
+    noisy_joints,
+    points_of,
+)
+from standfast.fitting.likelihood import Likelihood
+from standfast.fitting.measured import POSSIBLE, Measured, checked_measures
+from standfast.fitting.moments import FREQUENCY
+from standfast.fitting.region import CONFIDENCE, Region, region_of
+from standfast.fitting.result import Estimate, Fitted, SwayFit
+from standfast.fitting.search import best_point, coarse_grid
+from standfast.fitting.words import status_of
+from standfast.mechanics.feedback import Feedback
+from standfast.mechanics.joints import checked_body
+from standfast.mechanics.law import Law
+from standfast.mechanics.laws import LAWS
+from standfast.parameters import JOINTS, PARAMETERS, STANDARD_GRAVITY, checked_number
+
+LEAST_P = 1.0 - CONFIDENCE  # below it the law does not explain the measures
+
+
+@says_its_arguments()
+def fit_sway(
+    measured: Any,
+    law: str | Law,
+    body: Body,
+    gravity: float = STANDARD_GRAVITY,
+    *,
+    free: Sequence[str] = OPEN,
+    delay: float | None = None,
+    noisy: Sequence[str] = JOINTS,
+    low_pass: float | None = None,
+    duration: float | None = None,
+    rate: float | None = None,
+) -> SwayFit:
+    """Return which noise and gains of a law explain a person's sway, with 95 % intervals.
+
+    The likelihood is that of the measures, of which expectation and covariance in recordings of
+    this length follow from the model's spectra; intervals are likelihood profiles. Three measures
+    do not tell the delay besides noise and gains; it is the law's unless it is given.
+
+    Parameters
+    ----------
+    measured
+        a Recording; or numbers in SI by name: ``sd_ap`` (m), ``mean_velocity_ap`` (m/s) and
+        ``mean_frequency_ap`` (Hz) of the centre of pressure, ``sd_com`` (m), ``sd_ankle``,
+        ``sd_knee``, ``sd_hip`` (rad).
+    law
+        a name (``standfast laws`` lists them) or a Law. Its stiffness, damping and gains are scaled
+        by m g h from its body to ``body``.
+    free
+        what is fitted, of ``noise``, ``proportional_gain``, ``derivative_gain``,
+        ``feedback_delay``; all else is the law's, the noise 1 N·m·√s.
+    delay : s
+        instead of the law's.
+    noisy
+        the joints with noise, all of one strength.
+    low_pass : Hz
+        a recording is put through it, as by :func:`sway_measures`; without it the samples are taken
+        as they are, as of a plate whose software had a low-pass at 10 Hz. Numbers are of samples
+        behind it.
+    duration, rate : s, Hz
+        of the recording that numbers are of; 60 and 100 if left out.
+
+    Raises
+    ------
+    InputError
+        if anything is out of range or unknown, or nobody stands by the law.
+    """
+    family = _checked_family(law, body, gravity, free, delay, noisy)
+    given = checked_measures(measured, duration, rate, low_pass, family.law.joints)
+    if NOISE in family.free and [*given.values] == [FREQUENCY]:
+        raise InputError(
+            f"{FREQUENCY} alone does not depend on the noise; give an SD or the velocity too, or "
+            "leave noise out of free"
+        )
+    likelihood = Likelihood(points_of(family), given.target)
+    coarse = coarse_grid(likelihood)
+    best = best_point(likelihood, coarse)
+    if best is None:
+        raise InputError(f"nobody stands by {family.law.name} on this body, whatever its gains")
+    return _result(likelihood, given, region_of(likelihood, coarse, best), best)
+
+
+def _result(likelihood: Likelihood, given: Measured, region: Region, best: np.ndarray) -> SwayFit:
+    points, names = likelihood.points, likelihood.target.measures
+    family = points.family
+    found = likelihood.moments(best)
+    if found is None:
+        raise ArithmeticError("the most likely person does not stand")
+    parameters, margins = _estimates(points, region, best)
+    spread = np.sqrt(np.diagonal(found.covariance))
+    measures = {
+        name: Fitted(given.values[name], float(np.exp(mean)), float(each), POSSIBLE[name][2])
+        for name, mean, each in zip(names, found.mean, spread, strict=True)
+    }
+    # with a number open for each measure only what no person has is left to be off
+    left = max(len(measures) - len(family.free), 1)
+    p_value = float(stats.chi2.sf(likelihood.misfit(best), left))
+    explained = p_value >= LEAST_P
+    sigma = points.factors(best)[NOISE]
+    ankle, knee, hip = (sigma * float(one) for one in family.noisy)
+    return SwayFit(
+        law=family.law.name,
+        parameters=parameters,
+        margins=margins,
+        measures=measures,
+        p_value=p_value,
+        explained=explained,
+        status=status_of(family.law.name, parameters, measures, explained, len(measures)),
+        person=_person(points, best),
+        noise=(ankle, knee, hip),
+    )
+
+
+def _checked_family(
+    law: Any, body: Body, gravity: Any, free: Any, delay: Any, noisy: Any
+) -> Family:
+    if not isinstance(law, Law):
+        if not isinstance(law, str):
+            raise InputError(f"law = {shortened(law)} is not the name of a law, or a Law")
+        law = LAWS[law]
+    checked_body(body)
+    gravity = checked_number("gravity", gravity, row=PARAMETERS["gravity"])
+    row = PARAMETERS["feedback_delay"]
+    late = law.delay if delay is None else checked_number("delay", delay, row=row)
+    known = (*OPEN, DELAY)
+    for what, given, names in (("free", free, known), ("noisy", noisy, JOINTS)):
+        if isinstance(given, str) or not isinstance(given, Sequence) or not given:
+            raise InputError(f"{what} = {shortened(given)}; give some of {', '.join(names)}")
+        for name in given:
+            if name not in names:
+                near = nearest_name(name, names)
+                raise InputError(f"{what}: {shortened(name)} is none of {', '.join(names)}{near}")
+    if not set(noisy) & set(law.joints):
+        raise InputError(f"noisy: {law.name} holds the {' and '.join(noisy)} rigid")
+    if delay is not None and DELAY in free:
+        raise InputError(f"delay = {late:g} s is given, and feedback_delay is to be found")
+    ordered = tuple(name for name in known if name in free)
+    return Family(law, body, gravity, late, noisy_joints(tuple(noisy)), ordered)
+
+
+def _estimates(
+    points: Points, region: Region, best: np.ndarray
+) -> tuple[dict[str, Estimate], dict[str, Estimate]]:
+    """Return parameters and margins with their intervals."""
+    free = points.family.free
+    names = [name for name in free if name != NOISE]
+
+    def numbers(coordinates: np.ndarray) -> np.ndarray:
+        point = coordinates
+        if NOISE in free:
+            point = np.insert(coordinates, free.index(NOISE), 0.0)
+        values, margins = points.values(point), points.margins(point)
+        return np.array([*(values[name] for name in names), *margins.values()])
+
+    ends = dict(zip((*names, *MARGINS), region.intervals(numbers, len(names) + 4), strict=True))
+    reach = {name: (bool(a), bool(b)) for name, (a, b) in zip(names, region.open, strict=True)}
+    if NOISE in free:
+        ends[NOISE] = np.exp(region.noise())
+    values, margins = points.values(best), points.margins(best)
+
+    def of(name: str, value: float) -> Estimate:
+        low, high = (float(end) for end in ends[name])
+        ways = reach.get(name, (False, False))
+        return Estimate(value, min(low, value), max(high, value), UNITS[name], ways)
+
+    return (
+        {name: of(name, values[name]) for name in free},
+        {name: of(name, margins[name]) for name in MARGINS},
+    )
+
+
+def _person(points: Points, best: np.ndarray) -> dict[str, Any]:
+    """Return the arguments of a public function of the fitted person."""
+    family = points.family
+    stiffness, damping, _ = family.nerves
+    numbers, delay = points.at(best)
+    return {
+        "body": family.body,
+        "stiffness": stiffness,
+        "gravity": family.gravity,
+        "damping": damping,
+        "feedback": Feedback(numbers[3, ..., 0], numbers[4, ..., 0], delay),
+    }

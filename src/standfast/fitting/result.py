@@ -1,0 +1,67 @@
+"""What a fit of sway found."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+
+class Estimate(NamedTuple):
+    """A number with its 95 % interval.
+
+    Attributes
+    ----------
+    value, low, high
+    unit
+    open : (bool, bool)
+        whether the measures leave the lower and the upper end open: then it is only the limit of
+        the search, or of standing.
+    """
+
+    value: float
+    low: float
+    high: float
+    unit: str
+    open: tuple[bool, bool] = (False, False)
+
+
+class Fitted(NamedTuple):
+    """A measure of the recording beside the model's: the median, and the SD of its logarithm."""
+
+    measured: float
+    model: float
+    spread: float
+    unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class SwayFit:
+    """What :func:`.fit.fit_sway` found.
+
+    Attributes
+    ----------
+    law : its name
+    parameters : of what was open, :class:`Estimate` by name
+        ``noise`` (N·m·√s, σ at each noisy joint), ``proportional_gain`` (N·m/rad) and
+        ``derivative_gain`` (N·m·s/rad) of the ankle, with which those of other joints go in the
+        law's proportion, and ``feedback_delay`` (s).
+    margins : ``critical_delay``, ``delay_margin`` (s), ``decay_rate`` (1/s), ``safety_factor``
+        the last is the factor by which all stiffness and proportional gains could be divided, and
+        the person just not topple.
+    measures : :class:`Fitted` by name
+    p_value
+        how often a recording of a person who follows the law is further off than this one.
+    explained : whether that is 5 % or more
+    status : what it comes to, in a few sentences
+    person : all arguments of ``sf.is_stable`` and others of the fitted person
+    noise : (3,), N·m·√s, for ``sf.sway_covariance(**fit.person, noise=fit.noise)``
+    """
+
+    law: str
+    parameters: Mapping[str, Estimate]
+    margins: Mapping[str, Estimate]
+    measures: Mapping[str, Fitted]
+    p_value: float
+    explained: bool
+    status: str
+    person: Mapping[str, Any]
+    noise: tuple[float, float, float]

@@ -1,0 +1,85 @@
+"""The most likely point: a coarse grid, and from the best of it least squares by our derivatives.
+
+The measures of two quite different persons may be alike, so that a search from one start may end at
+the wrong one: the grid covers all of the limits.
+"""
+
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from scipy import ndimage, optimize
+
+from standfast.fitting.family import NOISE
+from standfast.fitting.likelihood import Likelihood
+
+# Values a coordinate, by how many coordinates a grid has.
+COARSE = {0: 1, 1: 64, 2: 22, 3: 11}
+STARTS = 3  # local minima of the grid from which it is gone on
+
+
+class Grid(NamedTuple):
+    """−2 log L on a grid of all coordinates but the noise, with the most likely noise at each.
+
+    Attributes
+    ----------
+    axes : a row of values a coordinate; none where the noise alone is open
+    size : −2 log L; infinite where the person falls
+    noise, error : log σ, and its standard error
+    """
+
+    axes: tuple[np.ndarray, ...]
+    size: np.ndarray
+    noise: np.ndarray
+    error: np.ndarray
+
+    def point(self, place: tuple[int, ...], free: tuple[str, ...]) -> np.ndarray:
+        """Return the point at a place of the grid."""
+        values = [float(axis[k]) for axis, k in zip(self.axes, place, strict=True)]
+        if NOISE in free:
+            values.insert(free.index(NOISE), float(self.noise[place]))
+        return np.array(values)
+
+
+def graded(likelihood: Likelihood, axes: tuple[np.ndarray, ...]) -> Grid:
+    """Return the grid of some axes."""
+    free = likelihood.points.family.free
+    shape = tuple(axis.size for axis in axes)
+    found = np.zeros((3, *shape))
+    for place, values in zip(np.ndindex(*shape), product(*axes), strict=True):
+        point = list(values)
+        if NOISE in free:
+            point.insert(free.index(NOISE), 0.0)
+        found[(slice(None), *place)] = likelihood.over_noise(np.array(point))
+    return Grid(axes, *found)
+
+
+def coarse_grid(likelihood: Likelihood) -> Grid:
+    """Return a grid over all of the limits."""
+    low, high = likelihood.points.bounds
+    keep = [k for k, name in enumerate(likelihood.points.family.free) if name != NOISE]
+    return graded(likelihood, tuple(np.linspace(low[k], high[k], COARSE[len(keep)]) for k in keep))
+
+
+def best_point(likelihood: Likelihood, grid: Grid) -> np.ndarray | None:
+    """Return the most likely point, None if nobody of the grid stands."""
+    free = likelihood.points.family.free
+    lowest = ndimage.minimum_filter(grid.size, 3) if grid.axes else grid.size
+    hollow = np.isfinite(grid.size) & (grid.size == lowest)
+    places = [tuple(map(int, place)) for place in np.argwhere(hollow)]
+    places.sort(key=lambda place: float(grid.size[place]))
+    found = [_settled(likelihood, grid.point(place, free)) for place in places[:STARTS]]
+    return min(found, key=likelihood.size) if found else None
+
+
+def _settled(likelihood: Likelihood, start: np.ndarray) -> np.ndarray:
+    """Return the most likely point near a start."""
+    low, high = likelihood.points.bounds
+    found = optimize.least_squares(
+        likelihood.residual,
+        np.clip(start, low + 1e-9, high - 1e-9),
+        likelihood.slope,
+        bounds=(low, high),
+    )
+    point: np.ndarray = found.x
+    return point

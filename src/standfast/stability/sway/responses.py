@@ -1,0 +1,101 @@
+"""What noise makes of readings of a swaying person, and how that changes with gains and delay.
+
+    y = (a F + b) H w,  F = C + iωB + (P + iωD) e^(−iωτ),  H = (F − ω² A)⁻¹
+
+of a reading that weighs the joints' moments by a and their rotations by b: a rotation has a = 0 and
+b of one joint, the centre of mass b = (G1, G2, G3)/(m g), the centre of pressure both
+(:mod:`.density`). From dH = −H dF H follows dy = (a dF − y dF) H w, exactly.
+
+notation: those of :mod:`.density`; y response to unit noise at each joint.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from standfast.stability.sway.density import LOW_PASS, Swaying
+
+READINGS = ("ankle", "knee", "hip", "com", "cop")
+
+
+class Change(NamedTuple):
+    """A direction in which gains (3, 3) and delay change, a unit of the parameter."""
+
+    proportional: np.ndarray
+    derivative: np.ndarray
+    delay: float
+
+
+def responses(
+    swaying: Swaying,
+    rigid: np.ndarray,
+    omega: np.ndarray,
+    readings: Sequence[str],
+    changes: Sequence[Change] = (),
+    low_pass: float = LOW_PASS,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return what unit noise makes of readings of one person, and its derivatives.
+
+    Parameters
+    ----------
+    swaying
+        one person; which joints are ``rigid``, (3,).
+    omega : (n,), rad/s
+    readings
+        among :data:`READINGS`.
+    low_pass : rad/s
+        that the centre of pressure is seen through, 1/(1 + (ω/``low_pass``)⁴).
+
+    Returns
+    -------
+    (readings, joints, n), complex, in rad or m per N·m·√s; 0 of a rigid joint.
+    (changes, readings, joints, n), the derivatives.
+    """
+    free = np.flatnonzero(~rigid)
+    block = np.ix_(free, free)
+    a, b, c, p, d = (matrix[block][..., None] for matrix in swaying.numbers[..., 0])
+    s = 1j * omega
+    late = np.exp(-s * swaying.delay[0])
+    fed_back = (p + d * s) * late
+    moments = c + b * s + fed_back
+    h = _inverse(moments + a * s**2)
+    by_moment, by_rotation = _weights(swaying, free, readings)
+    gain = np.ones((len(readings), 1, omega.size))
+    gain[[name == "cop" for name in readings]] = 1.0 / (1.0 + (omega / low_pass) ** 4)
+    found = np.zeros((1 + len(changes), len(readings), 3, omega.size), complex)
+    rows = _product(_product(by_moment, moments) + by_rotation, h)
+    found[0][:, free] = gain * rows
+    for row, change in zip(found[1:], changes, strict=True):
+        gains = (matrix[block][..., None] for matrix in change[:2])
+        moved = (next(gains) + next(gains) * s) * late - s * change.delay * fed_back
+        row[:, free] = gain * _product(_product(by_moment - rows, moved), h)
+    return found[0], found[1:]
+
+
+def _weights(
+    swaying: Swaying, free: np.ndarray, readings: Sequence[str]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return a and b of each reading over the free joints, (readings, free, 1)."""
+    moment, rotation = np.zeros((2, len(readings), 3))
+    for place, name in enumerate(readings):
+        if name in ("com", "cop"):
+            rotation[place] = swaying.loads[:, 0]
+        else:
+            rotation[place, READINGS.index(name)] = 1.0
+        if name == "cop":
+            moment[place] = swaying.lever[:, 0]
+    return moment[:, free, None], rotation[:, free, None]
+
+
+def _product(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Return the product of matrices whose last axis is that of the frequencies."""
+    found: np.ndarray = (left[:, :, None] * right[None]).sum(axis=1)
+    return found
+
+
+def _inverse(matrix: np.ndarray) -> np.ndarray:
+    """Return the inverse of matrices whose last axis is that of the frequencies."""
+    if len(matrix) == 1:
+        return 1.0 / matrix
+    return np.ascontiguousarray(np.moveaxis(np.linalg.inv(np.moveaxis(matrix, -1, 0)), 0, -1))

@@ -1,0 +1,70 @@
+"""``standfast sway --fit``: what the library finds, as text and JSON, and what it asks for."""
+
+import json
+
+import pytest
+
+import standfast as sf
+from recordings import sway, table
+from standfast.cli.app import main
+
+PERSON = ("--law", "dec-2015", "--height", "1.72", "--mass", "68")
+FIT = ("--fit", "noise,derivative_gain")
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    time, ap, ml = sway(1)
+    path = tmp_path_factory.mktemp("plate") / "a.csv"
+    names = ["t (s)", "COP_AP (mm)", "COP_ML (mm)"]
+    path.write_text(table(names, [time, 1e3 * ap, 1e3 * ml], decimals=9), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def fitted(file):
+    body = sf.Body.from_height_mass(1.72, 68.0)
+    free = ("noise", "derivative_gain")
+    return sf.fit_sway(sf.read_recording(file), "dec-2015", body, free=free)
+
+
+def said(capsys, *command, code=0):
+    assert main(["sway", *map(str, command)]) == code
+    out, err = capsys.readouterr()
+    return err if code else out
+
+
+def test_the_text_has_estimates_intervals_and_the_status(file, fitted, capsys):
+    lines = said(capsys, file, *PERSON, *FIT).splitlines()
+    printed = lines[lines.index("Fit of dec-2015, with 95 % intervals") :]
+    for name, estimate in {**fitted.parameters, **fitted.margins}.items():
+        (line,) = (x for x in printed if x.startswith(f"  {name.replace('_', ' ')}  "))
+        assert f"{estimate.value:.4g}" in line
+        assert f"{estimate.low:.4g}" in line
+        assert f"{estimate.high:.4g}" in line
+    assert printed[-1] == f"  {fitted.status}"
+
+
+def test_json_has_all_in_si(file, fitted, capsys):
+    (found,) = json.loads(said(capsys, file, *PERSON, *FIT, "--json"))["recordings"]
+    fit = found["fit"]
+    assert [*fit["parameters"]] == ["noise", "derivative_gain"]
+    for name, estimate in fitted.parameters.items():
+        assert fit["parameters"][name]["value"] == pytest.approx(estimate.value, rel=1e-9)
+        assert fit["parameters"][name]["unit"] == estimate.unit
+    assert fit["measures"]["sd_ap"]["measured"] == pytest.approx(found["measures"]["sd_ap"])
+    assert fit["status"] == fitted.status
+    assert fit["explained"] is fitted.explained
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (("--fit",), "--fit needs the law whose noise and gains it finds: --law dec-2015"),
+        ((*PERSON, "--fit", "nois"), "--fit: free: 'nois' is none of noise, proportional_gain,"),
+        ((*PERSON, *FIT, "--noise", "ankle=1"), "--noise beside --fit: springs and damping are"),
+        ((*PERSON[:2], *FIT, "--height", "1.7"), "give --mass or --bmi"),
+    ],
+)
+def test_what_is_missing_is_said(file, options, sentence, capsys):
+    assert sentence in said(capsys, file, *options, code=2)

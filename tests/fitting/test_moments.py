@@ -1,0 +1,107 @@
+"""Expectation and covariance of measures against recordings drawn at random, and derivatives."""
+
+import numpy as np
+import pytest
+
+import standfast as sf
+from drawn_sway import RATE, centres_of_pressure, recording
+from standfast.fitting.family import NOISE, OPEN, Family, points_of
+from standfast.fitting.likelihood import Likelihood, Target
+from standfast.fitting.measured import sagittal_measures
+from standfast.fitting.moments import FREQUENCY, VELOCITY
+from standfast.fitting.window import POWERS, window
+from standfast.recordings.measures import cop_spectrum
+
+MEASURES = ("sd_ap", VELOCITY, FREQUENCY)
+DRAWN = 300
+# Four standard errors of a mean and of a variance of so many, beside 1 and 5 % that the
+# approximations of slow processes are off.
+MEAN_OFF = 4.0 / np.sqrt(DRAWN) + 0.01
+VARIANCE_OFF = 4.0 * np.sqrt(2.0 / DRAWN) + 0.05
+CENTRAL = 1e-6  # of differences of 1e-5
+SECONDS = 60.0
+
+
+def likelihood_of(law, free=OPEN, logarithms=(0.0, 0.0, 0.0), measures=MEASURES):
+    law = sf.LAWS[law]
+    points = points_of(Family(law, law.body, law.gravity, law.delay, (True,) * 3, free))
+    count = round(SECONDS * RATE)
+    target = Target(measures, np.array(logarithms), window(count, RATE, 10.0), 10.0)
+    return Likelihood(points, target)
+
+
+def own_point(likelihood):
+    """The point of the law itself, with noise of 1."""
+    lowest = likelihood.points.lowest
+    each = {"proportional_gain": 1.0 - lowest, "feedback_delay": likelihood.points.family.delay}
+    return np.log([each.get(name, 1.0) for name in likelihood.points.family.free])
+
+
+@pytest.mark.parametrize("law", ["dec-2015", "opty-park-2004"])
+def test_recordings_drawn_at_random_have_these_moments(law):
+    likelihood = likelihood_of(law)
+    found = likelihood.moments(own_point(likelihood))
+    drawn = centres_of_pressure(
+        sf.LAWS[law].person, np.ones(3), seconds=SECONDS, count=DRAWN, seed=15
+    )
+    logs = np.log([list(sagittal_measures(recording(cop)).values()) for cop in drawn])
+    error = np.sqrt(np.diagonal(found.covariance))
+    assert (abs(logs.mean(axis=0) - found.mean) < MEAN_OFF * error).all()
+    ratio = logs.var(axis=0, ddof=1) / error**2
+    assert (abs(ratio - 1.0) < VARIANCE_OFF).all()
+    correlation = np.corrcoef(logs.T) - found.covariance / np.outer(error, error)
+    assert (abs(correlation) < VARIANCE_OFF).all()
+    # the measures of someone whose noise is 5 % more would not pass
+    louder = logs.mean(axis=0) + np.log(1.05) * likelihood.scaled - found.mean
+    assert not (abs(louder) < MEAN_OFF * error).all()
+
+
+def test_sine_waves_have_the_powers_that_their_weights_say():
+    count, made = 3000, window(3000, RATE, 10.0)
+    time = np.arange(count) / RATE
+    for place in (3, 11, 40, 200, 2000):
+        hertz, amplitude = made.hertz[place], 1e-3
+        powers = np.zeros(len(POWERS))
+        for phase in (0.0, 0.5 * np.pi):  # of both a density makes half each
+            wave = amplitude * np.cos(2.0 * np.pi * hertz * time + phase)
+            of_welch = cop_spectrum(recording(wave))
+            powers += 0.5 * np.array([
+                wave.var(ddof=1),
+                (np.diff(wave) ** 2).mean() * RATE**2,
+                np.trapezoid(of_welch.ap, of_welch.frequency),
+                np.trapezoid(of_welch.frequency * of_welch.ap, of_welch.frequency),
+            ])  # fmt: skip
+        np.testing.assert_allclose(powers, 0.5 * amplitude**2 * made.weight[:, place], rtol=1e-5)
+
+
+@pytest.mark.parametrize("free", [OPEN, (*OPEN, "feedback_delay"), OPEN[1:]])
+def test_slopes_are_those_of_the_values(free):
+    likelihood = likelihood_of("dec-2015", free, logarithms=(-5.4, -5.1, -1.3))
+    point = own_point(likelihood) + 0.05 * np.arange(len(free))
+    slope = likelihood.slope(point)
+    for k, step in enumerate(1e-5 * np.eye(len(free))):
+        ends = likelihood.residual(point + step), likelihood.residual(point - step)
+        difference = (ends[0] - ends[1]) / 2e-5
+        np.testing.assert_allclose(slope[:, k], difference, rtol=CENTRAL, atol=1e-7)
+
+
+def test_two_joints_and_their_sizes_have_slopes_too():
+    measures = (*MEASURES, "sd_com", "sd_ankle", "sd_hip")
+    likelihood = likelihood_of("opty-park-2004", logarithms=(-5.0,) * 6, measures=measures)
+    point = own_point(likelihood)
+    slope = likelihood.slope(point)
+    for k, step in enumerate(1e-5 * np.eye(3)):
+        ends = likelihood.residual(point + step), likelihood.residual(point - step)
+        np.testing.assert_allclose(slope[:, k], (ends[0] - ends[1]) / 2e-5, rtol=1e-5, atol=1e-6)
+
+
+def test_the_noise_is_found_in_closed_form():
+    likelihood = likelihood_of("dec-2015", logarithms=(-5.4, -5.1, -1.3))
+    point = own_point(likelihood)
+    size, noise, error = likelihood.over_noise(point)
+    place = OPEN.index(NOISE)
+    at = [point + step * np.eye(3)[place] for step in (noise - 0.01, noise, noise + 0.01)]
+    sizes = [likelihood.size(each) for each in at]
+    assert sizes[1] == pytest.approx(size, abs=1e-9)
+    assert sizes[0] == pytest.approx(sizes[2], abs=1e-9)
+    assert sizes[0] - sizes[1] == pytest.approx((0.01 / error) ** 2, rel=1e-6)

@@ -28,7 +28,14 @@ MACHINERY = {
     "Study.from_canonical",
 }
 # Classes that hold what a call returns; the call's example shows them.
-RETURNED = {"PopulationStudy", "Population", "Study", "SwayMeasures"}
+RETURNED = {
+    "ExpectedSway",
+    "Population",
+    "PopulationStudy",
+    "Study",
+    "SwayFit",
+    "SwayMeasures",
+}
 
 
 def methods_of(kind):

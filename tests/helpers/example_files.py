@@ -66,6 +66,12 @@ FED_BACK = {
     },
 }
 
+SWAYING = {
+    **FED_BACK,
+    "noise": {"ankle": 1.0},
+    "output": {"quantities": ["cop_sway"]},
+}
+
 
 def make_files(folder: Path) -> None:
     """Write them into a folder."""
@@ -79,3 +85,4 @@ def make_files(folder: Path) -> None:
     sf.sweep(LOCUS, folder / "root-locus.h5")
     sf.simulate(ADULTS, folder / "people.h5")
     sf.simulate(FED_BACK, folder / "people-feedback.h5")
+    sf.simulate(SWAYING, folder / "people-sway.h5")

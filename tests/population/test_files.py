@@ -226,14 +226,17 @@ def test_drivers_of_this_model_agree_with_salib(tmp_path):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads the peak from /proc")
 def test_memory_is_bounded(tmp_path):
-    """Peak memory of counting 30 million persons: below 1 GiB, and not growing with the number."""
+    """Peak memory of counting: below 1 GiB, and not growing by a byte for each of 60 million.
+
+    From run to run the peak of two threads differs by up to 50 MB, whatever the number of persons.
+    """
     script = f"""
 from pathlib import Path
 from standfast.population.simulation import simulate
 import sys; sys.path.insert(0, {str(Path(populations.__file__).parent)!r})
 from populations import GOOD, of
 peaks = []
-for size in (5_000_000, 30_000_000):
+for size in (20_000_000, 80_000_000):
     simulate(of(GOOD, size=size), "p%d.h5" % size)
     status = Path("/proc/self/status").read_text()
     peaks.append(int(status.split("VmHWM:")[1].split()[0]))
@@ -243,7 +246,7 @@ print(*peaks)
         [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True
     )
     first, last = map(int, out.stdout.split())
-    assert last < 1.1 * first
+    assert (last - first) * 1024 < 60e6
     assert last * 1024 < 2**30
 
 

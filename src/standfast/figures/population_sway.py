@@ -37,6 +37,13 @@ def sway_by_class(
     ------
     InputError
         if the population has no noise, or was not asked for this quantity.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> ax = sf.plot.sway_by_class("people-sway.h5")
+    >>> len(ax.get_yticks()) > 1
+    True
     """
     population = population_in(population)
     known = population.study.sway

@@ -81,9 +81,8 @@ def fit_sway(
     noisy
         the joints with noise, all of one strength.
     low_pass : Hz
-        a recording is put through it, as by :func:`sway_measures`; without it the samples are taken
-        as they are, as of a plate whose software had a low-pass at 10 Hz. Numbers are of samples
-        behind it.
+        a recording is put through it, as by :func:`sway_measures`, and numbers are of samples
+        behind it; left out, samples are as a plate with a low-pass at 10 Hz has them.
     duration, rate : s, Hz
         of the recording that numbers are of; 60 and 100 if left out.
 
@@ -91,25 +90,36 @@ def fit_sway(
     ------
     InputError
         if anything is out of range or unknown, or nobody stands by the law.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> fit = sf.fit_sway({"sd_ap": 0.0045}, "dec-2015", sf.Body.edwards2007(), free=["noise"])
+    >>> fit.explained
+    True
     """
     family = _checked_family(law, body, gravity, free, delay, noisy)
     given = checked_measures(measured, duration, rate, low_pass, family.law.joints)
+    _check_noise_shows(family, given)
+    return _result(Likelihood(points_of(family), given.target), given)
+
+
+def _check_noise_shows(family: Family, given: Measured) -> None:
     if NOISE in family.free and [*given.values] == [FREQUENCY]:
         raise InputError(
             f"{FREQUENCY} alone does not depend on the noise; give an SD or the velocity too, or "
             "leave noise out of free"
         )
-    likelihood = Likelihood(points_of(family), given.target)
+
+
+def _result(likelihood: Likelihood, given: Measured) -> SwayFit:
+    points, names = likelihood.points, likelihood.target.measures
+    family = points.family
     coarse = coarse_grid(likelihood)
     best = best_point(likelihood, coarse)
     if best is None:
         raise InputError(f"nobody stands by {family.law.name} on this body, whatever its gains")
-    return _result(likelihood, given, region_of(likelihood, coarse, best), best)
-
-
-def _result(likelihood: Likelihood, given: Measured, region: Region, best: np.ndarray) -> SwayFit:
-    points, names = likelihood.points, likelihood.target.measures
-    family = points.family
+    region = region_of(likelihood, coarse, best)
     found = likelihood.moments(best)
     if found is None:
         raise ArithmeticError("the most likely person does not stand")

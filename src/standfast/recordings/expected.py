@@ -124,6 +124,14 @@ def expected_sway(
         a recording, or no joint that turns is noisy.
     ArithmeticError
         if rounding leaves open whether the person stands.
+
+    Examples
+    --------
+    >>> import standfast as sf
+    >>> recording = sf.read_recording("recording.csv", unit="mm", rate=100)
+    >>> found = sf.expected_sway(recording, **sf.LAWS["dec-2015"].person)
+    >>> bool(abs(found.sd_ap / sf.sway_measures(recording, low_pass=10).sd_ap - 1) < 0.05)
+    True
     """
     person: dict[str, Any] = {
         "body": body,

@@ -1,7 +1,8 @@
 """Covariances of sway of random persons against two other methods each.
 
 Answers: is a covariance right, without and with delay, and near the threshold? Run as
-``python benchmarks/sway_check.py [CASES]`` (default 1000 of each kind, some minutes); writes
+``python benchmarks/sway_check.py [CASES]`` (default 1300 of each kind, of which with delay a
+thousand can be compared with both methods; a quarter of an hour); writes
 ``results/sway/check.md``. What is compared is the largest difference of an entry of the covariance,
 over the deviations of its joints.
 
@@ -40,7 +41,7 @@ DISTANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 
 def main() -> None:
     """Compare, and write the page."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 1300
     began = time.perf_counter()
     rng = np.random.default_rng(SEED)
     without = drawn(rng, count, 0.0)

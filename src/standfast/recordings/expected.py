@@ -32,7 +32,7 @@ from standfast.recordings.powers import (
     variance_weight,
     welch_spectrum,
 )
-from standfast.recordings.recording import Recording, window_of
+from standfast.recordings.recording import Recording, checked_recording, window_of
 from standfast.stability.feedback import rightmost_root
 from standfast.stability.sway.density import LOW_PASS, Swaying
 from standfast.stability.sway.person import checked_swaying
@@ -137,19 +137,19 @@ def expected_sway(
     >>> bool(abs(found.sd_ap / sf.sway_measures(recording, low_pass=10).sd_ap - 1) < 0.05)
     True
     """
-    turns = [math.isfinite(float(each)) for each in stiffness.joints]
-    strengths = tuple(map(float, turns)) if noise is None else noise
-    own = LOW_PASS / TURN
-    cut = own if low_pass is None else checked_low_pass(low_pass, recording.rate)
-    swaying, stands, _ = checked_swaying(body, stiffness, gravity, damping, feedback, strengths)
+    rate, own = checked_recording(recording).rate, LOW_PASS / TURN
+    cut = own if low_pass is None else checked_low_pass(low_pass, rate)
+    person = (body, stiffness, gravity, damping, feedback, (1.0,) * 3 if noise is None else noise)
+    swaying, stands, _ = checked_swaying("expected_sway", *person)
     if not stands:
         raise InputError("the person falls, and so has no sway to compare")
     late = checked_feedback(feedback)
     root = rightmost_root(body, stiffness, gravity, damping=damping, feedback=late)
     hertz = _frequencies(-root.real, recording, max(cut, own))
-    density = _densities(swaying, ~np.array(turns), hertz, cut)
+    density = _densities(swaying, np.isinf(np.array(stiffness.joints, float)), hertz, cut)
     if not density["cop"].any():
         raise InputError("no joint that turns has noise, so nothing sways")
+    strengths = np.sqrt(swaying.noise[:, 0]) if noise is None else noise
     return _shown(hertz, density, recording, strengths, given=noise is not None)
 
 

@@ -75,18 +75,10 @@ def person(name: str, height: float, mass: float, fit: str, size: float) -> dict
     """Return a person under the scaled law, ``size`` the fitted P or K over m g h."""
     law = sf.LAWS[name]
     body = sf.Body.from_height_mass(height, mass)
-    mass_above, length, com = (np.asarray(body[i], float) for i in (0, 2, 3))
-    load = G * float(mass_above @ (np.concatenate([[0.0], np.cumsum(length)]) + com))
-    p, d = (each[0, 0] / law.load for each in law.feedback[:2])
-    k, b = law.stiffness.ankle / law.load, law.damping[0, 0] / law.load
-    p, k = (size, k) if fit == "gain" else (p, size)
-    return {
-        "body": body,
-        "stiffness": sf.Stiffness(k * load, np.inf, np.inf),
-        "gravity": G,
-        "damping": (b * load, 0.0, 0.0),
-        "feedback": sf.Feedback((p * load, 0, 0), (d * load, 0, 0), law.delay),
-    }
+    scaled, load = law.on(body, G), law.scale(body, G) * law.load
+    if fit == "gain":
+        return {**scaled, "feedback": scaled["feedback"]._replace(proportional=(size * load, 0, 0))}
+    return {**scaled, "stiffness": scaled["stiffness"]._replace(ankle=size * load)}
 
 
 class _Table:

@@ -87,19 +87,12 @@ def drawn(name: str, count: int, rng: np.random.Generator) -> tuple[list[dict[st
     while len(people) < count:
         height, bmi = rng.normal(1.70, 0.09), rng.normal(23.5, 2.5)
         body = sf.Body.from_height_mass(height, bmi * height**2)
-        load = -np.asarray(sf.stiffness_matrix(body, sf.Stiffness(0.0, 0.0, 0.0), G))[0, 0]
-        springs = law.stiffness.ankle / law.load * load
+        scaled, load = law.on(body, G), law.scale(body, G) * law.load
         above, share = np.exp(rng.uniform(np.log([0.07, 0.6]), np.log([0.5, 1.5])))
-        derivative = share * law.feedback.derivative[0, 0] / law.load * load
-        person = {
-            "body": body,
-            "stiffness": sf.Stiffness(springs, np.inf, np.inf),
-            "gravity": G,
-            "damping": law.damping / law.load * load,
-            "feedback": sf.Feedback(
-                ((1.0 + above) * load - springs, 0.0, 0.0), (derivative, 0.0, 0.0), law.delay
-            ),
-        }
+        proportional = (1.0 + above) * load - scaled["stiffness"].ankle
+        derivative = share * scaled["feedback"].derivative[0, 0]
+        gains = (proportional, 0.0, 0.0), (derivative, 0.0, 0.0)
+        person = {**scaled, "feedback": sf.Feedback(*gains, law.delay)}
         if sf.is_stable(**person) and sf.rightmost_root(**person).real < -SLOWEST:
             people.append(person)
     return people, np.exp(rng.uniform(np.log(0.2), np.log(1.0), count))

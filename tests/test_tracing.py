@@ -92,6 +92,8 @@ def test_what_cannot_be_traced_says_so():
         "delay_crossings": sf.delay_crossings,
         "unstable_roots": sf.unstable_roots,
         "rightmost_root": sf.rightmost_root,
+        "sway_covariance": sf.sway_covariance,
+        "sway_spectrum": partial(sf.sway_spectrum, frequency=1.0),
     }
     for name, function in functions.items():
         words = f"{name} with damping or feedback is not for jax.vmap, jax.jit or jax.grad"

@@ -14,6 +14,11 @@ from typing import Any, BinaryIO, TextIO
 from standfast.errors import InputError, shortened
 
 PARTIAL = ".partial"
+# How the names of columns of a table say units.
+COLUMN_UNITS = {
+    "mm²": "mm2", "mm/s": "mm_s", "m/s": "m_s", "°": "deg", "1/s": "per_s", "N·m/rad": "Nm_rad",
+    "N·m·s/rad": "Nms_rad", "N·m·√s": "Nm_sqrt_s",
+}  # fmt: skip
 
 
 def checked_path(name: str, given: Any) -> Path:
@@ -71,6 +76,11 @@ def whole_file(path: Path, *, synced: bool = False) -> Iterator[Path]:
             partial.unlink(missing_ok=True)
     if synced:
         sync_folder(path.parent)
+
+
+def column_name(name: str, unit: str) -> str:
+    """Return the name of a table's column with its unit, as ``sd_ap_mm``; of 1 the name alone."""
+    return name if unit == "1" else f"{name}_{COLUMN_UNITS.get(unit, unit)}"
 
 
 def require_replaceable(table: Path, header: str, kind: str = "table") -> None:

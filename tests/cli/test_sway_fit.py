@@ -1,12 +1,18 @@
 """``standfast sway --fit``: what the library finds, as text and JSON, and what it asks for."""
 
+import csv
+import io
 import json
 
+import numpy as np
 import pytest
 
 import standfast as sf
 from recordings import sway, table
 from standfast.cli.app import main
+from standfast.figures import recording as recording_figures
+from standfast.figures.recording import spectra
+from standfast.recordings import expected
 
 PERSON = ("--law", "dec-2015", "--height", "1.72", "--mass", "68")
 FIT = ("--fit", "noise,derivative_gain")
@@ -55,6 +61,59 @@ def test_json_has_all_in_si(file, fitted, capsys):
     assert fit["measures"]["sd_ap"]["measured"] == pytest.approx(found["measures"]["sd_ap"])
     assert fit["status"] == fitted.status
     assert fit["explained"] is fitted.explained
+
+
+def test_the_table_has_estimates_margins_and_what_they_come_to(file, fitted, capsys, tmp_path):
+    path = tmp_path / "t.csv"
+    said(capsys, file, *PERSON, *FIT, "--csv", path)
+    (row,) = csv.DictReader(io.StringIO(path.read_text(encoding="utf-8")))
+    units = ["Nm_sqrt_s", "Nms_rad", "s", "s", "per_s", ""]
+    both = {**fitted.parameters, **fitted.margins}
+    for (name, estimate), unit in zip(both.items(), units, strict=True):
+        for end, number in zip(("", "_low", "_high"), estimate[:3], strict=True):
+            column = "_".join(part for part in (f"fit_{name}{end}", unit) if part)
+            assert float(row.pop(column)) == pytest.approx(number, rel=1e-7)
+    assert float(row["fit_p"]) == pytest.approx(fitted.p_value, rel=1e-7)
+    assert row["fit_explained"] == ("yes" if fitted.explained else "no")
+    open_ends = [
+        f"{name}_{end}"
+        for name, estimate in fitted.parameters.items()
+        for end, is_open in zip(("low", "high"), estimate.open, strict=True)
+        if is_open
+    ]
+    assert row["fit_open_ends"].split() == open_ends
+    assert [*row][-3:] == ["fit_open_ends", "fit_p", "fit_explained"]
+
+
+def test_the_figure_has_the_spectrum_of_the_person_fitted(
+    file, fitted, capsys, tmp_path, monkeypatch
+):
+    drawn = []
+    monkeypatch.setattr(
+        recording_figures,
+        "spectra",
+        lambda axes, *given: drawn.append(given) or spectra(axes, *given),
+    )
+    path = tmp_path / "a.png"
+    said(capsys, file, *PERSON, *FIT, "-o", path)
+    ((_, _, shown),) = drawn
+    found = sf.expected_sway(sf.read_recording(file), **fitted.person, noise=fitted.noise)
+    np.testing.assert_allclose(shown.density, found.density, rtol=1e-6)
+    assert path.exists()
+
+
+def test_whose_spectrum_is_not_known_is_told(file, fitted, capsys, tmp_path, monkeypatch):
+    path = tmp_path / "a.png"
+
+    def falls(*_, **__):
+        raise sf.InputError("the person falls, and so has no sway to compare")
+
+    monkeypatch.setattr(expected, "expected_sway", falls)
+    assert main(["sway", *map(str, (file, *PERSON, *FIT, "-o", path))]) == 0
+    out, err = capsys.readouterr()
+    assert fitted.status in out
+    assert f"the spectrum of the person fitted to {file} is not drawn: the person falls" in err
+    assert path.exists()
 
 
 @pytest.mark.parametrize(

@@ -9,8 +9,9 @@ from standfast.fitting.family import NOISE, OPEN, Family, points_of
 from standfast.fitting.likelihood import Likelihood, Target
 from standfast.fitting.measured import sagittal_measures
 from standfast.fitting.moments import FREQUENCY, VELOCITY
-from standfast.fitting.window import POWERS, window
+from standfast.fitting.window import window
 from standfast.recordings.measures import cop_spectrum
+from standfast.recordings.powers import POWERS, WELCH, WELCH_TIMES_F, integral
 
 MEASURES = ("sd_ap", VELOCITY, FREQUENCY)
 DRAWN = 300
@@ -19,6 +20,8 @@ DRAWN = 300
 MEAN_OFF = 4.0 / np.sqrt(DRAWN) + 0.01
 VARIANCE_OFF = 4.0 * np.sqrt(2.0 / DRAWN) + 0.05
 CENTRAL = 1e-6  # of differences of 1e-5
+# Of the fit's frequencies, which end at 2.5 times the low-pass; velocity is of the highest.
+SHARED = {"sd_ap": 1e-6, VELOCITY: 1e-3, FREQUENCY: 1e-4}
 SECONDS = 60.0
 
 
@@ -72,6 +75,29 @@ def test_sine_waves_have_the_powers_that_their_weights_say():
                 np.trapezoid(of_welch.frequency * of_welch.ap, of_welch.frequency),
             ])  # fmt: skip
         np.testing.assert_allclose(powers, 0.5 * amplitude**2 * made.weight[:, place], rtol=1e-5)
+
+
+@pytest.mark.parametrize("law", ["dec-2015", "opty-park-2004"])
+def test_a_fit_expects_what_a_recording_is_expected_to_show(law):
+    likelihood = likelihood_of(law)
+    found = likelihood.moments(own_point(likelihood))
+    person, variance = sf.LAWS[law].person, np.diagonal(found.covariance)[:2]
+    shown, half = (
+        sf.expected_sway(
+            recording(np.arange(each * RATE) / 1e6), **person, noise=(1, 1, 1), low_pass=10.0
+        )
+        for each in (SECONDS, 0.5 * SECONDS)
+    )
+    # the root of a mean square is above the mean logarithm by its variance, a mean velocity by half
+    fitted = np.exp(found.mean[:2] + np.array([1.0, 0.5]) * variance)
+    assert fitted[0] == pytest.approx(shown.sd_ap, rel=SHARED["sd_ap"])
+    assert fitted[1] == pytest.approx(shown.mean_velocity_ap, rel=SHARED[VELOCITY])
+    made = likelihood.target.window
+    cop = sf.sway_spectrum(**person, noise=(1, 1, 1), frequency=made.hertz).cop
+    plain, times_f = (integral(cop * made.weight[k], made.hertz[1]) for k in (WELCH, WELCH_TIMES_F))
+    assert times_f / plain == pytest.approx(shown.mean_frequency_ap, rel=SHARED[FREQUENCY])
+    # able to fail: of half a minute less of the slowest sway is expected
+    assert fitted[0] != pytest.approx(half.sd_ap, rel=1000.0 * SHARED["sd_ap"])
 
 
 @pytest.mark.parametrize("free", [OPEN, (*OPEN, "feedback_delay"), OPEN[1:]])

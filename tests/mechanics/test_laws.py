@@ -252,6 +252,43 @@ def test_regulators_are_those_of_the_riccati_equation(name):
         np.testing.assert_allclose(found, closed, rtol=0.0, atol=PRINTED_ROOT * 10.0)
 
 
+@pytest.mark.parametrize("name", LAWS)
+def test_a_law_on_its_own_body_is_itself(name):
+    law = LAWS[name]
+    assert law.scale(law.body, law.gravity) == pytest.approx(1.0, rel=1e-14)
+    found = law.on(law.body, law.gravity)
+    assert found.keys() == law.person.keys()
+    assert found["stiffness"] == pytest.approx(law.stiffness, rel=1e-14)
+    pairs = zip((found["damping"], *found["feedback"]), (law.damping, *law.feedback), strict=True)
+    for each, own in pairs:
+        np.testing.assert_allclose(each, own, rtol=1e-14)
+
+
+@pytest.mark.parametrize("name", ["pasma-2017", "wang-fpd-det", "lqr-edwards2007"])
+def test_a_law_holds_a_heavier_body_as_its_own(name):
+    """A, B, C, P and D are all of them three times as large."""
+    law = LAWS[name]
+    body = law.body
+    heavy = body._replace(
+        segment_mass=3.0 * body.segment_mass, segment_inertia=3.0 * body.segment_inertia
+    )
+    person = law.on(heavy, law.gravity)
+    own = sf.critical_delay(**law.person)
+    assert law.scale(heavy, law.gravity) == pytest.approx(3.0, rel=1e-14)
+    assert sf.critical_delay(**person) == pytest.approx(own, rel=1e-9)
+    assert person["feedback"].delay == law.delay
+    unscaled = {**person, "damping": law.damping, "feedback": law.feedback}
+    assert sf.critical_delay(**unscaled) != pytest.approx(own, rel=1e-2)
+
+
+def test_a_law_is_put_on_bodies_alone():
+    law = LAWS["dec-2015"]
+    with pytest.raises(sf.InputError, match="body"):
+        law.on(70.0)
+    with pytest.raises(sf.InputError, match=r"gravity = -9\.81"):
+        law.on(law.body, -9.81)
+
+
 def test_the_overall_gain_of_dec_just_does_not_hold():
     """0.15 + 0.85 = 1: springs and feedback together are what topples, and no more."""
     law = LAWS["dec-2015"]

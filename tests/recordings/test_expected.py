@@ -160,3 +160,11 @@ def test_a_low_pass_is_that_of_the_recording():
 def test_who_has_no_sway_to_compare_is_told_why(given, sentence):
     with pytest.raises(sf.InputError, match=sentence):
         sf.expected_sway(recording(), **given)
+
+
+def test_what_is_no_recording_or_no_person_is_refused():
+    person = sf.LAWS["dec-2015"].person
+    with pytest.raises(sf.InputError, match="recording = 3; give what read_recording returns"):
+        sf.expected_sway(3, **person)
+    with pytest.raises(sf.InputError, match="stiffness"):
+        sf.expected_sway(recording(), **{**person, "stiffness": 900.0})

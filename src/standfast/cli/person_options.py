@@ -141,11 +141,9 @@ def _fill_by_law(content: dict[str, Any], law: "Law") -> list[str]:
 
 def _scaled(parameters: dict[str, Any], law: "Law", of_law: list[str]) -> GivenPerson:
     """Scale what is of a law by the person's m g h over that of the law's body, not its delay."""
-    from standfast.mechanics.matrices import gravity_loads
     from standfast.quantities.person_facts import person_of
 
-    load = float(sum(gravity_loads(person_of(parameters).body, parameters["gravity"])))
-    factor = load / law.load
+    factor = law.scale(person_of(parameters).body, parameters["gravity"])
     if math.isclose(factor, 1.0, rel_tol=1e-12):  # its own body
         return GivenPerson(parameters, law, 1.0)
     scaled = {n: factor * parameters[n] for n in of_law if n != "feedback_delay"}

@@ -5,14 +5,22 @@ import contextlib
 import csv
 import json
 import re
+import sys
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from standfast.cli.parsing import add_command, made_room, output_file
-from standfast.cli.sway_fit import add_fit_options, fit_facts, fits_of, print_fits
+from standfast.cli.sway_fit import (
+    add_fit_options,
+    fit_facts,
+    fit_header,
+    fit_row,
+    fits_of,
+    fitted_spectra,
+    print_fits,
+)
 from standfast.cli.sway_model import (
-    COLUMN_UNITS,
     ModelBeside,
     add_model_options,
     model_beside,
@@ -22,10 +30,12 @@ from standfast.cli.sway_model import (
 )
 from standfast.cli.sway_text import print_measures
 from standfast.errors import InputError
-from standfast.files import for_spreadsheets, require_replaceable, whole_table
+from standfast.files import column_name, for_spreadsheets, require_replaceable, whole_table
 from standfast.parameters import number_in
 
 if TYPE_CHECKING:
+    from standfast.fitting.result import SwayFit
+    from standfast.recordings.expected import ExpectedSway
     from standfast.recordings.measures import SwayMeasures
     from standfast.recordings.recording import Recording
 
@@ -87,16 +97,22 @@ def _sway(options: argparse.Namespace) -> None:
     model = None if fits else model_beside(options, recordings, low_pass)
     written = [*figures]
     if options.csv:
-        _write(options.csv, recordings, found, model)
+        _write(options.csv, recordings, found, model, fits)
         written.append(options.csv)
     if figures:
         from standfast.figures.recording import draw_recording
 
-        for place, (path, recording) in enumerate(zip(figures, recordings, strict=True)):
-            shown = None if model is None else model.shown[place]
-            draw_recording(
-                made_room(path, options.output), recording, found[place], low_pass, shown
-            )
+        shown: list[ExpectedSway | None] = [None] * len(figures)
+        if model is not None:
+            shown = [*model.shown]
+        if fits:
+            shown, undrawn = fitted_spectra(fits, recordings, low_pass)
+            for sentence in undrawn:
+                print(f"standfast: {sentence}", file=sys.stderr)
+        for path, recording, measures, beside in zip(
+            figures, recordings, found, shown, strict=True
+        ):
+            draw_recording(made_room(path, options.output), recording, measures, low_pass, beside)
     if options.json:
         facts = _facts(recordings, found, low_pass, model)
         for each, fit in zip(facts["recordings"], fits, strict=False):  # none, or of all
@@ -177,8 +193,7 @@ def _plain(option: str, text: str) -> float:
 
 
 def _header(measures: Any) -> str:
-    units = {name: COLUMN_UNITS.get(row.printed, row.printed) for name, row in measures.items()}
-    columns = [f"{name}_{unit}" for name, unit in units.items()]
+    columns = [column_name(name, row.printed) for name, row in measures.items()]
     return ",".join(["recording", "duration_s", "rate_Hz", *columns])
 
 
@@ -187,23 +202,30 @@ def _write(
     recordings: "list[Recording]",
     found: "list[SwayMeasures]",
     model: ModelBeside | None,
+    fits: "list[SwayFit]",
 ) -> None:
     """Write a line a recording, in the units that are printed."""
     from standfast.recordings.measures import MEASURES
 
     header = _header(MEASURES)
+    beside: list[str] = []
+    rows: list[list[Any]] = [[] for _ in recordings]
+    if model is not None:
+        beside, rows = model_header(), [model_row(model, place) for place in range(len(rows))]
+    elif fits:
+        beside, rows = fit_header(fits[0]), [fit_row(fit) for fit in fits]
     with whole_table(path, header) as file:
-        beside = [] if model is None else model_header()
         file.write(f"{','.join([header, *beside])}\r\n")
         lines = csv.writer(file)
-        for place, recording in enumerate(recordings):
-            measures = found[place]
-            numbers = [row.factor * getattr(measures, name) for name, row in MEASURES.items()]
-            numbers += [] if model is None else model_row(model, place)
-            lines.writerow([
-                for_spreadsheets(recording.name),
-                *(f"{value:.8g}" for value in (recording.duration, recording.rate, *numbers)),
-            ])  # fmt: skip
+        for recording, measures, more in zip(recordings, found, rows, strict=True):
+            own = [row.factor * getattr(measures, name) for name, row in MEASURES.items()]
+            cells = (recording.duration, recording.rate, *own, *more)
+            lines.writerow(
+                [
+                    for_spreadsheets(recording.name),
+                    *(cell if isinstance(cell, str) else f"{cell:.8g}" for cell in cells),
+                ]
+            )
 
 
 def _facts(

@@ -1,4 +1,4 @@
-"""The fit of a law to recordings, for ``standfast sway --fit``: as text and for JSON."""
+"""The fit of a law to recordings, for ``standfast sway --fit``: text, JSON, columns, spectrum."""
 
 import argparse
 import math
@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from standfast.cli.person_options import person_given
 from standfast.errors import InputError
+from standfast.files import column_name
 
 if TYPE_CHECKING:
     from standfast.fitting.result import Estimate, SwayFit
+    from standfast.recordings.expected import ExpectedSway
     from standfast.recordings.recording import Recording
 
 ALL = "noise,proportional_gain,derivative_gain"
@@ -98,6 +100,54 @@ def fit_facts(fit: "SwayFit") -> dict[str, Any]:
         "explained": fit.explained,
         "status": fit.status,
     }
+
+
+def fit_header(fit: "SwayFit") -> list[str]:
+    """Return the names of a fit's columns in a table of recordings."""
+    columns = [
+        column_name(f"fit_{name}{end}", estimate.unit)
+        for name, estimate in {**fit.parameters, **fit.margins}.items()
+        for end in ("", "_low", "_high")
+    ]
+    return [*columns, "fit_open_ends", "fit_p", "fit_explained"]
+
+
+def fit_row(fit: "SwayFit") -> list[float | str]:
+    """Return the numbers of a fit under :func:`fit_header`; NaN where one is not known.
+
+    Open ends are those that the measures do not set, by name: the limit of the search or of
+    standing stands there.
+    """
+    numbers = [
+        number for estimate in {**fit.parameters, **fit.margins}.values() for number in estimate[:3]
+    ]
+    ends = [
+        f"{name}_{end}"
+        for name, estimate in fit.parameters.items()
+        for end, open_ in zip(("low", "high"), estimate.open, strict=True)
+        if open_
+    ]
+    return [*numbers, " ".join(ends), fit.p_value, "yes" if fit.explained else "no"]
+
+
+def fitted_spectra(
+    fits: "Sequence[SwayFit]", recordings: "Sequence[Recording]", low_pass: float | None
+) -> "tuple[list[ExpectedSway | None], list[str]]":
+    """Return what a recording of each fitted person would show, and of whom it is not known why."""
+    from standfast.recordings.expected import expected_sway
+
+    shown: list[ExpectedSway | None] = []
+    missing = []
+    for fit, recording in zip(fits, recordings, strict=True):
+        try:
+            found = expected_sway(recording, **fit.person, noise=fit.noise, low_pass=low_pass)
+        except (InputError, ArithmeticError) as error:  # a fit may end where standing does
+            missing.append(
+                f"the spectrum of the person fitted to {recording.name} is not drawn: {error}"
+            )
+            found = None
+        shown.append(found)
+    return shown, missing
 
 
 def _facts(estimate: "Estimate") -> dict[str, Any]:

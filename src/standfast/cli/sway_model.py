@@ -19,6 +19,7 @@ from standfast.cli.person_options import (
 )
 from standfast.cli.person_text import fed_back_in_words, person_in_words
 from standfast.errors import InputError
+from standfast.files import column_name
 from standfast.parameters import JOINTS, NOISES, PARAMETERS
 
 if TYPE_CHECKING:
@@ -26,8 +27,8 @@ if TYPE_CHECKING:
     from standfast.recordings.measures import SwayMeasures
     from standfast.recordings.recording import Recording
 
-# How names of columns say units.
-COLUMN_UNITS = {"mm²": "mm2", "mm/s": "mm_s", "°": "deg", "N·m·√s": "Nm_sqrt_s"}
+# What is shown of a recording beside a model, and not else.
+RECORDED = ("mean_frequency_ap", "median_frequency_ap")
 
 
 class ModelBeside(NamedTuple):
@@ -94,7 +95,7 @@ def model_beside(
             raise InputError(f"the model is too near to falling to have a sway: {error}") from None
         spectrum = cop_spectrum(recording, low_pass=low_pass)
         mean, median = mean_and_median(spectrum.frequency, spectrum.ap)
-        recorded.append({"mean_frequency_ap": mean, "median_frequency_ap": median})
+        recorded.append(dict(zip(RECORDED, (mean, median), strict=True)))
     return ModelBeside(given, facts_with_feedback(person), shown, recorded)
 
 
@@ -134,10 +135,9 @@ def model_header() -> list[str]:
     """Return the names of the model's columns in a table of recordings."""
     from standfast.recordings.expected import MODELLED
 
-    units = {name: COLUMN_UNITS.get(r.printed, r.printed) for name, r in MODELLED.items()}
-    recorded = [f"{name}_{units[name]}" for name in ("mean_frequency_ap", "median_frequency_ap")]
-    noises = [f"model_{name}_{COLUMN_UNITS[PARAMETERS[name].unit]}" for name in NOISES]
-    shown = [f"model_{name}_{unit}" for name, unit in units.items()]
+    recorded = [column_name(n, MODELLED[n].printed) for n in RECORDED]
+    shown = [column_name(f"model_{name}", row.printed) for name, row in MODELLED.items()]
+    noises = [column_name(f"model_{name}", PARAMETERS[name].unit) for name in NOISES]
     return [*recorded, *shown, *noises, "model_critical_delay_s", "model_delay_margin_s"]
 
 

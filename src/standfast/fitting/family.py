@@ -8,22 +8,20 @@ below p₀ the person falls at any damping, because det(C + p P) is 0 there.
 notation: C stiffness less gravity, P and D gains of the law, τ delay, σ noise.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy import linalg
 
 from standfast.anthropometry.body import Body
-from standfast.mechanics.feedback import Feedback
-from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.law import Law
-from standfast.mechanics.matrices import gravity_loads, joint_gravity
+from standfast.mechanics.matrices import joint_gravity
 from standfast.parameters import DAMPING_UNIT, JOINTS, STIFFNESS_UNIT
 from standfast.stability.delay.persons import all_crossings, all_rightmost
 from standfast.stability.delay.table import Crossings
 from standfast.stability.feedback import numbers_of
 from standfast.stability.sway.density import Swaying
-from standfast.stability.sway.persons import swaying_of
+from standfast.stability.sway.person import swaying_alone
 from standfast.stability.sway.responses import Change
 
 NOISE, PROPORTIONAL, DERIVATIVE, DELAY = (
@@ -72,25 +70,15 @@ class Family(NamedTuple):
     free: tuple[str, ...]
 
     @property
-    def scale(self) -> float:
-        """What topples the body, m g h, over what topples the law's."""
-        return float(sum(gravity_loads(self.body, self.gravity))) / self.law.load
-
-    @property
-    def nerves(self) -> tuple[Stiffness, np.ndarray, Feedback]:
-        """Stiffness, damping and feedback of the law on this body."""
-        law, scale = self.law, self.scale
-        p, d, _ = law.feedback
-        return (
-            Stiffness(*(k * scale for k in law.stiffness.joints)),
-            scale * law.damping,
-            Feedback(scale * p, scale * d, self.delay),
-        )
+    def person(self) -> dict[str, Any]:
+        """The law on this body, with its delay: arguments of a public function."""
+        person = self.law.on(self.body, self.gravity)
+        return {**person, "feedback": person["feedback"]._replace(delay=self.delay)}
 
     @property
     def numbers(self) -> tuple[np.ndarray, np.ndarray]:
         """A, B, C, P, D as (5, 3, 3, 1), and which joints are rigid, (3, 1), of the law itself."""
-        return numbers_of(self.body, self.nerves[0], self.gravity, *self.nerves[1:])
+        return numbers_of(**self.person)
 
 
 class Points(NamedTuple):
@@ -133,15 +121,8 @@ class Points(NamedTuple):
         numbers, delay = self.at(point)
         if not _stands(all_crossings(numbers, self.rigid), delay):
             return None
-        body, gravity = self.family.body, self.family.gravity
-        swaying = swaying_of(
-            numbers,
-            self.rigid,
-            np.array([delay]),
-            np.array(self.family.noisy, float)[:, None],
-            np.array(joint_gravity(body, gravity)[0], float)[:, None],
-            np.array([float(np.sum(body.segment_mass)) * gravity]),
-        )
+        body, gravity, noisy = self.family.body, self.family.gravity, self.family.noisy
+        swaying = swaying_alone(body, gravity, numbers, self.rigid, delay, noisy)
         factors, none = self.factors(point), np.zeros((3, 3))
         open_share = 1.0 - self.lowest / factors[PROPORTIONAL]
         each = {

@@ -208,13 +208,6 @@ def _estimates(
 
 def _person(points: Points, best: np.ndarray) -> dict[str, Any]:
     """Return the arguments of a public function of the fitted person."""
-    family = points.family
-    stiffness, damping, _ = family.nerves
     numbers, delay = points.at(best)
-    return {
-        "body": family.body,
-        "stiffness": stiffness,
-        "gravity": family.gravity,
-        "damping": damping,
-        "feedback": Feedback(numbers[3, ..., 0], numbers[4, ..., 0], delay),
-    }
+    feedback = Feedback(numbers[3, ..., 0], numbers[4, ..., 0], delay)
+    return {**points.family.person, "feedback": feedback}

@@ -1,7 +1,7 @@
 """Expectation and covariance of the measures of a recording whose process is known.
 
 Of a stationary Gaussian process of spectral densities S a power has the expectation μ = ∫ S Φ df
-(:mod:`.window`). Two powers a, b of readings x, y have the covariance
+(:mod:`standfast.recordings.powers`). Two powers a, b of readings x, y have the covariance
 
     2 Σ_u G_ab(u) ρ_ab(u)²,   ρ_ab(u) = ∫ S_xy(f) √(Φ_a Φ_b) e^(2πifu) df
 
@@ -19,9 +19,16 @@ from typing import NamedTuple
 import numpy as np
 from scipy import fft
 
-from standfast.fitting.window import POWERS, Window
+from standfast.fitting.window import Window
+from standfast.recordings.powers import (
+    OF_SIZES,
+    STEPS,
+    VARIANCE,
+    WELCH,
+    WELCH_TIMES_F,
+    integral,
+)
 
-VARIANCE, STEPS, WELCH, WELCH_TIMES_F = range(len(POWERS))
 VELOCITY, FREQUENCY = "mean_velocity_ap", "mean_frequency_ap"
 # The reading, and which powers with which exponents, a measure is made of.
 MADE_OF = {
@@ -84,7 +91,7 @@ def moments(
     share = np.where(steps, 0.5, 1.0)
     below = share * np.diagonal(relative)
     below_slope = share * np.diagonal(relative_slope, axis1=1, axis2=2)
-    constant = np.array([0.5 * np.log(2.0 / np.pi) if n == VELOCITY else 0.0 for n in measures])
+    constant = np.array([0.5 * np.log(OF_SIZES) if n == VELOCITY else 0.0 for n in measures])
     return Moments(
         exponents @ (np.log(mean) - 0.5 * below) + constant,
         exponents @ relative @ exponents.T,
@@ -116,7 +123,7 @@ def _relative(
                 of_readings[x, y] = _densities(x, y, response, slope, noise)
             both = of_readings[x, y] * window.mixed[a, b]
             if i == j:
-                mean[i], *mean_slope[:, i] = window.integral(both.real)
+                mean[i], *mean_slope[:, i] = integral(both.real, window.hertz[1])
             every = 1 if a == b == STEPS else window.every
             kept = both[:, : last // every + 1]
             sequences[i, j] = fft.irfft(kept, 2 * last // every) / (every * window.step)

@@ -1,27 +1,19 @@
-"""What a recording of some seconds makes of a spectrum: the measures as weighings of frequencies.
+"""A recording's length, rate and low-pass, as weights of frequencies and of lags.
 
-Every measure is made of *powers*: the variance s² about the mean, the square of the steps, and of
-Welch's spectrum P the sums ∫ P df and ∫ f P df. Each is quadratic in the samples, and its
-expectation is ∫ S(f) Φ(f) df exactly, with a weight Φ that the definition of the measure fixes:
-
-    s²          (1 − F(f)) n/(n − 1),   F = (sin(πfn/r)/(n sin(πf/r)))²
-    steps²      (2 r sin(πf/r))²
-    ∫P, ∫fP     what Welch's method makes of a sine wave: nearly 1, and f, above some 1/T
-
-A mean that is removed takes what is slower than the recording; that is why Φ falls to 0 there.
-
-notation: S two-sided spectral density a hertz, r rate (Hz), n samples, T duration (s).
+What is expected of powers is ∫ S Φ df, with the weights Φ of :mod:`standfast.recordings.powers`, at
+frequencies that all persons of a fit share. How much two of them vary together needs besides the
+overlap of the times that they are of.
 """
 
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy import fft, signal
+from scipy import fft
 
+from standfast.recordings.powers import steps_weight, variance_weight, welch_weights
 from standfast.recordings.recording import window_of
 
-POWERS = ("variance", "steps", "welch", "welch_times_f")
 # Frequencies go up to this multiple of the low-pass's, where its gain is 1/40, of a power 6e-4 …
 BAND = 2.5
 # … and stand as near as a process needs that forgets its past within so long (s).
@@ -29,9 +21,6 @@ MEMORY = 180.0
 # What is faster than this matters to steps alone (Hz): all other lags are taken as far apart as it
 # allows. That makes covariances 2.5 times as quick at 10 Hz.
 SLOW = 6.0
-# From so many of Welch's bins on, Φ is 1 and f to 1e-6.
-BINS = 20
-SAMPLES = 3000  # of a window of slow waves: more of them look the same
 
 
 class Window(NamedTuple):
@@ -42,7 +31,7 @@ class Window(NamedTuple):
     hertz : (m,)
         even from 0.
     weight : (powers, m)
-        Φ of :data:`POWERS`.
+        Φ of :data:`.powers.POWERS`.
     mixed : (powers, powers, m)
         √(Φ_a Φ_b).
     step : s
@@ -60,12 +49,6 @@ class Window(NamedTuple):
     every: int
     overlap: np.ndarray
 
-    def integral(self, density: np.ndarray) -> np.ndarray:
-        """Return ∫ over both signs of f of a density of the last axis."""
-        total = 2.0 * density.sum(axis=-1) - density[..., 0] - density[..., -1]
-        found: np.ndarray = total * self.hertz[1]
-        return found
-
 
 @lru_cache(maxsize=8)
 def window(count: int, rate: float, low_pass: float) -> Window:
@@ -77,41 +60,14 @@ def window(count: int, rate: float, low_pass: float) -> Window:
     size = 2 * every * fft.next_fast_len(-(-least // (2 * every)), real=True)
     hertz = fft.rfftfreq(size, step)
     weight = np.stack([
-        (1.0 - _of_mean(hertz, count, rate)) * count / (count - 1),
-        (2.0 * rate * np.sin(np.pi * hertz / rate)) ** 2,
-        *_welch(hertz, count, rate),
+        variance_weight(hertz, count, rate),
+        steps_weight(hertz, rate),
+        *welch_weights(hertz, count, rate),
     ])  # fmt: skip
     spent = np.stack([np.full(inside, 1.0 / inside)] * 2 + [_windows(inside, count, rate)] * 2)
     turned = fft.rfft(spent, size)
     overlap = fft.irfft(turned[:, None].conj() * turned[None], size)
     return Window(hertz, weight, np.sqrt(weight[:, None] * weight), step, every, overlap)
-
-
-def _of_mean(hertz: np.ndarray, count: int, rate: float) -> np.ndarray:
-    """Return Fejér's kernel: the share of a power that is in the mean of the samples."""
-    turn = np.pi * hertz / rate
-    sine = count * np.sin(turn)
-    small = abs(sine) < 1e-12 * count
-    found: np.ndarray = np.where(small, 1.0, np.sin(count * turn) / np.where(small, 1.0, sine)) ** 2
-    return found
-
-
-def _welch(hertz: np.ndarray, count: int, rate: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return Φ of ∫ P df and ∫ f P df, by trapezoids: of slow waves as Welch's method finds it."""
-    seconds = window_of(count, rate) / rate
-    folded = abs(hertz - rate * np.round(hertz / rate))
-    slow = np.flatnonzero(hertz * seconds < BINS)
-    length = min(window_of(count, rate), SAMPLES)
-    waves = np.exp(2j * np.pi * hertz[slow, None] * seconds / length * np.arange(length))
-    shape = signal.get_window("hann", length)
-    power = abs(fft.fft(shape * (waves - waves.mean(axis=1, keepdims=True)), axis=1)) ** 2
-    bins = abs(fft.fftfreq(length, seconds / length))
-    # one-sided densities are twice two-sided ones, but not at the ends, where a trapezoid halves
-    power[:, (bins == 0.0) | (bins == bins.max())] *= 0.5
-    power /= length * (shape**2).sum()
-    plain, times_f = np.ones_like(hertz), folded.copy()
-    plain[slow], times_f[slow] = power.sum(axis=1), power @ bins
-    return plain, times_f
 
 
 def _windows(inside: int, count: int, rate: float) -> np.ndarray:

@@ -15,17 +15,20 @@ import numpy as np
 
 from standfast.anthropometry.body import Body
 from standfast.mechanics.feedback import Feedback
-from standfast.mechanics.joints import Stiffness
+from standfast.mechanics.joints import Stiffness, checked_body
 from standfast.mechanics.links import OneLink, TwoLinks
 from standfast.mechanics.matrices import gravity_loads
-from standfast.numerics.arrays import Array
+from standfast.numerics.arrays import Array, Scalar
 from standfast.parameters import (
     DAMPING_UNIT,
     DAMPINGS,
     JOINTS,
     LOOPS,
+    PARAMETERS,
+    STANDARD_GRAVITY,
     STIFFNESS_UNIT,
     STIFFNESSES,
+    checked_number,
     gain_name,
 )
 
@@ -142,6 +145,41 @@ class Law:
         """All arguments of a public function: ``critical_delay(**law.person)``."""
         names = ("body", "stiffness", "gravity", "damping", "feedback")
         return {name: getattr(self, name) for name in names}
+
+    def scale(self, body: Body, gravity: Scalar = STANDARD_GRAVITY) -> float:
+        """Return m g h of a body over that of the law's: what its springs and gains are scaled by.
+
+        Bodies of the same proportions behave alike under stiffness and gains in proportion to it.
+
+        Raises
+        ------
+        InputError
+            if it is no body, or gravity is out of range.
+        """
+        checked_body(body)
+        gravity = checked_number("gravity", gravity, row=PARAMETERS["gravity"])
+        return float(sum(gravity_loads(body, gravity))) / self.load
+
+    def on(self, body: Body, gravity: Scalar = STANDARD_GRAVITY) -> dict[str, Any]:
+        """Return the law on another body: all arguments of a public function, as ``person``.
+
+        Stiffness, damping and gains are scaled (:meth:`scale`), the delay is not.
+
+        Examples
+        --------
+        >>> import standfast as sf
+        >>> law, body = sf.LAWS["dec-2015"], sf.Body.from_height_mass(1.66, 68.0)
+        >>> print(f"{law.scale(body):.3f}, {sf.critical_delay(**law.on(body)):.3f} s")
+        0.952, 0.323 s
+        """
+        scale, (p, d, delay) = self.scale(body, gravity), self.feedback
+        return {
+            "body": body,
+            "stiffness": Stiffness(*(scale * k for k in self.stiffness.joints)),
+            "gravity": gravity,
+            "damping": scale * self.damping,
+            "feedback": Feedback(scale * p, scale * d, delay),
+        }
 
     @property
     def parameters(self) -> dict[str, float]:

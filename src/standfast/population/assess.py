@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from standfast.engine.mapping import map_over_batch
+from standfast.files import column_name
 from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import Scalar
@@ -21,7 +22,7 @@ from standfast.parameters import (
     checked_number,
 )
 from standfast.population.assessed import Assessment
-from standfast.population.assessed_sway import UNITS, columns_of_sway
+from standfast.population.assessed_sway import columns_of_sway
 from standfast.population.cohort.bodies import Models, body_in, models_of
 from standfast.population.cohort.nerves import entries_of, judged
 from standfast.population.cohort.persons import load_of
@@ -232,7 +233,7 @@ def _with_feedback(
         for name in ("stands", "critical_delay", "delay_margin")
     )
     return {
-        **{f"{name}_{UNITS[PARAMETERS[name].unit]}": each for name, each in values.items()},
+        **{column_name(name, PARAMETERS[name].unit): each for name, each in values.items()},
         "stands_with_feedback": np.where(timed, np.where(stands, "yes", "no"), ""),
         "critical_delay_s": np.where(told, critical, math.nan),
         "delay_margin_s": np.where(timed, margin, math.nan),

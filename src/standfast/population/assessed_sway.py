@@ -5,16 +5,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from standfast.files import column_name
 from standfast.parameters import NOISES
 from standfast.population.cohort.nerves import FedBackPersons
 from standfast.population.cohort.sway import swayed
 from standfast.population.people.keys import SWAY
 from standfast.quantities import QUANTITIES
-
-# How the names of columns say units.
-UNITS = {
-    "N·m/rad": "Nm_rad", "N·m·s/rad": "Nms_rad", "s": "s", "N·m·√s": "Nm_sqrt_s", "m/s": "m_s",
-}  # fmt: skip
 
 
 def columns_of_sway(
@@ -27,7 +23,7 @@ def columns_of_sway(
     found = [swayed(each.numbers, each.stands, SWAY) for each in pieces]
     sure = np.concatenate([each for _, each in found]) & known & noisy.all(axis=0)
     return {
-        f"{name}_{UNITS.get(QUANTITIES[name].unit, QUANTITIES[name].unit)}": np.where(
+        column_name(name, QUANTITIES[name].unit): np.where(
             sure, np.concatenate([values[name] for values, _ in found]), math.nan
         )
         for name in SWAY

@@ -1,17 +1,14 @@
 """What a recording of a model would show: measures by the definitions of recordings.
 
-The model's centre of pressure is a stationary Gaussian process with the one-sided density S(f). Of
-n samples at a rate r, about their mean, over windows of L samples, its autocovariance
-R_m = ∫ S(f) cos(2π f m/r) df is all that is needed (E is the expectation):
+The model's sway is a stationary Gaussian process, so the expectations of :mod:`.powers` are all
+that is needed: the SD is the root of that of s², the mean velocity √(2/π) times the root of that of
+steps², and frequencies are those of the mean spectrum. So a short recording is compared with a
+short one of the model. Integrals are sums of equal steps Δf = 1/period: what they leave out is the
+autocovariance a period later, which has died out.
 
-    SD        E s² = n/(n − 1) · (R_0 − Var x̄),  Var x̄ = (R_0 + 2 Σ (1 − m/n) R_m)/n
-    velocity  E|Δx| r = √(2/π) √(2 (R_0 − R_1)) r
-    spectrum  E P_k = (2 or 1)/(r Σ w²) · u* R u,  u_a = w_a e^(−2πi k a/L) less its mean
-
-so a short recording is compared with a short one of the model. The integral is a sum of equal steps
-Δf = 1/period: what it leaves out is R a period later, which has died out.
-
-notation: S one-sided density (m²/Hz), R autocovariance (m²), w Hann's window, P Welch's spectrum.
+A fit (:mod:`standfast.fitting`) takes the expectations of logarithms, which are lower by half of
+the relative variance, of hundreds of persons at frequencies that they share; here one person is
+asked, at as many as that person needs.
 """
 
 import math
@@ -19,25 +16,32 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy import fft, linalg, signal
+from scipy import fft
 
 from standfast.anthropometry.body import Body
 from standfast.errors import InputError, says_its_arguments
-from standfast.mechanics.feedback import Feedback
+from standfast.mechanics.feedback import Feedback, checked_feedback
 from standfast.mechanics.joints import Stiffness
 from standfast.numerics.arrays import TURN, Array, Scalar
 from standfast.parameters import JOINTS, STANDARD_GRAVITY
 from standfast.recordings.measures import MEASURES, Measure, checked_low_pass, mean_and_median
-from standfast.recordings.recording import Recording, window_of
-from standfast.stability.feedback import is_stable, rightmost_root
-from standfast.stability.sway.density import LOW_PASS
-from standfast.stability.sway.person import Spectrum, sway_spectrum
+from standfast.recordings.powers import (
+    OF_SIZES,
+    integral,
+    steps_weight,
+    variance_weight,
+    welch_spectrum,
+)
+from standfast.recordings.recording import Recording, checked_recording, window_of
+from standfast.stability.feedback import rightmost_root
+from standfast.stability.sway.density import LOW_PASS, Swaying
+from standfast.stability.sway.person import checked_swaying
+from standfast.stability.sway.responses import READINGS, responses
 
-# Nothing is left of R after so many time constants, nor of S beyond so many times the low-pass.
+# Nothing is left of a motion after so many time constants, nor beyond so many times the low-pass.
 DIED_OUT, BEYOND = 20.0, 10.0
 SLOWEST, NEVER = 1.0 / 300.0, 1e-9  # 1/s: of decay; slower, minutes say nothing
 TOGETHER = 2**16  # frequencies, so that memory stays small
-READ = ("cop", "com", *JOINTS)
 
 # What a model has a value of, anterior-posterior.
 MODELLED: Mapping[str, Measure] = {
@@ -133,119 +137,89 @@ def expected_sway(
     >>> bool(abs(found.sd_ap / sf.sway_measures(recording, low_pass=10).sd_ap - 1) < 0.05)
     True
     """
-    person: dict[str, Any] = {
-        "body": body,
-        "stiffness": stiffness,
-        "gravity": gravity,
-        "damping": damping,
-        "feedback": feedback,
-    }
-    turns = [math.isfinite(float(each)) for each in stiffness.joints]
-    strengths = tuple(map(float, turns)) if noise is None else noise
-    lags = _autocovariances(person, strengths, recording, low_pass)
-    if not lags["cop"][0] > 0.0:
+    rate, own = checked_recording(recording).rate, LOW_PASS / TURN
+    cut = own if low_pass is None else checked_low_pass(low_pass, rate)
+    person = (body, stiffness, gravity, damping, feedback, (1.0,) * 3 if noise is None else noise)
+    swaying, stands, _ = checked_swaying("expected_sway", *person)
+    if not stands:
+        raise InputError("the person falls, and so has no sway to compare")
+    late = checked_feedback(feedback)
+    root = rightmost_root(body, stiffness, gravity, damping=damping, feedback=late)
+    hertz = _frequencies(-root.real, recording, max(cut, own))
+    density = _densities(swaying, np.isinf(np.array(stiffness.joints, float)), hertz, cut)
+    if not density["cop"].any():
         raise InputError("no joint that turns has noise, so nothing sways")
-    wanted = float(recording.ap.std(ddof=1)) if noise is None else None
-    return _shown(lags, recording.rate, strengths, wanted)
+    strengths = np.sqrt(swaying.noise[:, 0]) if noise is None else noise
+    return _shown(hertz, density, recording, strengths, given=noise is not None)
 
 
 def _shown(
-    lags: dict[str, Array], rate: float, strengths: Any, wanted: float | None
+    hertz: Array, density: dict[str, Array], recording: Recording, strengths: Any, *, given: bool
 ) -> ExpectedSway:
-    """Return the measures by autocovariances, with noise so much stronger that the SD is wanted."""
-    sizes = {name: _deviation(each) for name, each in lags.items()}
-    pressure = lags["cop"]
-    hertz, density = _welch(pressure, rate)
-    mean, median = mean_and_median(hertz, density)
-    factor = 1.0 if wanted is None else wanted / sizes["cop"]
+    """Return the measures by densities at even frequencies.
+
+    Unless noise is given, it is as much stronger as makes the SD the recording's.
+    """
+    count, rate, step = recording.ap.size, recording.rate, float(hertz[1])
+    about_mean, of_steps = variance_weight(hertz, count, rate), steps_weight(hertz, rate)
+    size = {n: math.sqrt(integral(each * about_mean, step)) for n, each in density.items()}
+    speed = math.sqrt(OF_SIZES * integral(density["cop"] * of_steps, step))
+    covariance = _autocovariance(density["cop"], step, rate)[: window_of(count, rate)]
+    bins, spectrum = welch_spectrum(covariance, rate)
+    mean, median = mean_and_median(bins, spectrum)
+    factor = 1.0 if given else float(recording.ap.std(ddof=1)) / size["cop"]
     ankle, knee, hip = (factor * float(each) for each in strengths)
     return ExpectedSway(
         noise=(ankle, knee, hip),
-        sd_ap=factor * sizes["cop"],
-        mean_velocity_ap=factor * rate * math.sqrt(4.0 / math.pi * (pressure[0] - pressure[1])),
+        sd_ap=factor * size["cop"],
+        mean_velocity_ap=factor * speed,
         mean_frequency_ap=mean,
         median_frequency_ap=median,
-        com_sway=factor * sizes["com"],
-        ankle_sway=factor * sizes["ankle"],
-        knee_sway=factor * sizes["knee"],
-        hip_sway=factor * sizes["hip"],
-        frequency=hertz,
-        density=factor**2 * density,
+        com_sway=factor * size["com"],
+        ankle_sway=factor * size["ankle"],
+        knee_sway=factor * size["knee"],
+        hip_sway=factor * size["hip"],
+        frequency=bins,
+        density=factor**2 * spectrum,
     )
 
 
-def _autocovariances(
-    person: dict[str, Any], noise: Any, recording: Recording, low_pass: float | None
-) -> dict[str, Array]:
-    """Return R of all readings at the lags of a recording's samples."""
+def _frequencies(decay: float, recording: Recording, low_pass: float) -> Array:
+    """Return even frequencies (Hz) from 0 for sway that dies out with ``decay`` (1/s).
+
+    Their period is of whole samples. The low-pass is the model's own or a higher one: rotations do
+    not pass any.
+    """
     count, rate = recording.ap.size, recording.rate
-    own = LOW_PASS / TURN
-    cut = own if low_pass is None else checked_low_pass(low_pass, rate)
-    steps = _steps_of_a_period(person, count, rate)
-    spectrum = _spectrum(person, noise, steps / rate, BEYOND * cut)
-    gain = ((1.0 + (spectrum.frequency / own) ** 4) / (1.0 + (spectrum.frequency / cut) ** 4)) ** 2
-    seen = spectrum._replace(cop=gain * spectrum.cop)
-    return {name: _autocovariance(getattr(seen, name), steps, rate)[:count] for name in READ}
-
-
-def _steps_of_a_period(person: dict[str, Any], count: int, rate: float) -> int:
-    """Return how many samples a period has, after which nothing is left of the sway."""
-    if not is_stable(**person):
-        raise InputError("the person falls, and so has no sway to compare")
-    decay = -rightmost_root(**person).real
     if decay < SLOWEST:
         slowly = "does not die out" if decay < NEVER else f"dies out over {1.0 / decay:,.0f} s"
         raise InputError(
             f"the model's sway {slowly}: it is undamped or about to fall, and no recording of "
             f"{count / rate:.4g} s is like it; give damping, gains or a shorter delay"
         )
-    return int(fft.next_fast_len(count + math.ceil(DIED_OUT / decay * rate)))
+    period = fft.next_fast_len(count + math.ceil(DIED_OUT / decay * rate)) / rate
+    hertz: Array = np.arange(math.ceil(BEYOND * low_pass * period) + 1) / period
+    return hertz
 
 
-def _spectrum(person: dict[str, Any], noise: Any, period: float, highest: float) -> Spectrum:
-    """Return the model's spectrum in steps of 1/period (Hz) from 0 on."""
-    hertz = np.arange(math.ceil(highest * period) + 1) / period
-    pieces = [
-        sway_spectrum(**person, noise=noise, frequency=hertz[first : first + TOGETHER])
-        for first in range(0, hertz.size, TOGETHER)
-    ]
-    return Spectrum._make(map(np.concatenate, zip(*pieces, strict=True)))
+def _densities(
+    swaying: Swaying, rigid: np.ndarray, hertz: Array, low_pass: float
+) -> dict[str, Array]:
+    """Return the two-sided densities of all readings at some frequencies."""
+    found = np.zeros((len(READINGS), hertz.size))
+    for first in range(0, hertz.size, TOGETHER):
+        some = slice(first, first + TOGETHER)
+        response, _ = responses(
+            swaying, rigid, TURN * hertz[some], READINGS, low_pass=TURN * low_pass
+        )
+        found[:, some] = (swaying.noise * abs(response) ** 2).sum(axis=1)
+    return dict(zip(READINGS, found, strict=True))
 
 
-def _autocovariance(density: Array, steps: int, rate: float) -> Array:
-    """Return R at lags of 0, 1, … samples, of a density in steps of rate/steps from 0 on."""
-    power = density * (rate / steps)
-    power[0] *= 0.5  # of one step the half beside 0
-    folded = np.bincount(np.arange(power.size) % steps, power, steps)
-    covariance: Array = fft.fft(folded).real
+def _autocovariance(density: Array, step: float, rate: float) -> Array:
+    """Return R at lags of 0, 1, … samples, of a two-sided density in steps (Hz) from 0 on."""
+    power = 2.0 * density * step
+    power[0] *= 0.5  # of both signs there is one 0
+    samples = round(rate / step)
+    covariance: Array = fft.fft(np.bincount(np.arange(power.size) % samples, power, samples)).real
     return covariance
-
-
-def _deviation(covariance: Array) -> float:
-    """Return the root of the mean square SD of as many samples about their mean."""
-    count = covariance.size
-    weights = 2.0 * (1.0 - np.arange(count) / count)
-    weights[0] = 1.0
-    of_mean = float(weights @ covariance) / count
-    return math.sqrt(max(count / (count - 1) * (float(covariance[0]) - of_mean), 0.0))
-
-
-def _welch(covariance: Array, rate: float) -> tuple[Array, Array]:
-    """Return the mean of the spectrum that :func:`cop_spectrum` estimates."""
-    size = window_of(covariance.size, rate)
-    window = signal.get_window("hann", size)
-    # u* R u of all frequencies at once, with the window's own correlation
-    overlap = fft.irfft(np.abs(fft.rfft(window, 2 * size)) ** 2, 2 * size)[:size]
-    lagged = overlap * covariance[:size]
-    found = 2.0 * fft.rfft(lagged).real - lagged[0]
-    # the mean is taken off the samples, not the window: it is felt where the window's own spectrum
-    # is not 0, at the first two
-    for place in range(2):
-        turned = window * np.exp(-1j * TURN * place / size * np.arange(size))
-        turned -= turned.mean()
-        found[place] = np.vdot(turned, linalg.matmul_toeplitz(covariance[:size], turned)).real
-    density = 2.0 * found / (rate * np.sum(window**2))
-    density[0] *= 0.5
-    if size % 2 == 0:
-        density[-1] *= 0.5
-    return np.arange(density.size) * (rate / size), density

@@ -15,7 +15,7 @@ from scipy import signal
 
 from standfast.errors import InputError, says_its_arguments, shortened
 from standfast.numerics.arrays import Array
-from standfast.recordings.recording import Recording, window_of
+from standfast.recordings.recording import Recording, checked_recording, window_of
 
 COVERED = 0.95  # by the prediction ellipse
 ORDER = 2  # of the low-pass, which runs forth and back
@@ -162,10 +162,7 @@ def cop_spectrum(recording: Recording, *, low_pass: float | None = None) -> CopS
 
 def filtered(recording: Recording, low_pass: float | None) -> tuple[Array, Array]:
     """Return both directions (m) through the low-pass of :func:`sway_measures`, if any."""
-    if not isinstance(recording, Recording):
-        raise InputError(
-            f"recording = {shortened(recording)}; give what read_recording returns, or a Recording"
-        )
+    checked_recording(recording)
     if low_pass is None:
         return recording.ap, recording.ml
     cut = checked_low_pass(low_pass, recording.rate)

@@ -87,6 +87,21 @@ class Recording:
         return times
 
 
+def checked_recording(given: Any) -> Recording:
+    """Return what must be a recording.
+
+    Raises
+    ------
+    InputError
+        if it is none.
+    """
+    if not isinstance(given, Recording):
+        raise InputError(
+            f"recording = {shortened(given)}; give what read_recording returns, or a Recording"
+        )
+    return given
+
+
 def checked_rate(where: str, given: Any) -> float:
     """Return a rate (Hz) at which velocities mean something.
 

@@ -78,7 +78,7 @@ def is_stable(
     matrix, fed_back = checked_damping(damping), checked_feedback(feedback)
     if not (fed_back.proportional.any() or fed_back.derivative.any()):
         return bool(verdict(body, stiffness, gravity))
-    table = _table(body, stiffness, gravity, matrix, fed_back)
+    table = _table(*numbers_of(body, stiffness, gravity, matrix, fed_back))
     return bool(table.stable_at(np.array([float(fed_back.delay)]))[0, 0])
 
 
@@ -108,7 +108,7 @@ def critical_delay(
     >>> print(f"{sf.critical_delay(body, K, damping=B, feedback=F):.3f} s")
     0.325 s
     """
-    table = _of("critical_delay", body, stiffness, gravity, damping, feedback)
+    table, _ = _of("critical_delay", body, stiffness, gravity, damping, feedback)
     return float(table.critical_delay()[0])
 
 
@@ -147,7 +147,7 @@ def delay_crossings(
     0.325 s, 1.12 rad/s, +1
     """
     longest = checked_number("longest", longest, row=PARAMETERS["feedback_delay"])
-    table = _of("delay_crossings", body, stiffness, gravity, damping, feedback)
+    table, _ = _of("delay_crossings", body, stiffness, gravity, damping, feedback)
     found = [
         (delay, float(table.frequency[number]), int(table.direction[number]))
         for number in range(table.person.size)
@@ -180,9 +180,8 @@ def unstable_roots(
     >>> sf.unstable_roots(body, K, damping=B, feedback=F._replace(delay=0.4))
     2
     """
-    table = _of("unstable_roots", body, stiffness, gravity, damping, feedback)
-    fed_back = checked_feedback(feedback)
-    return int(table.unstable_each(np.array([float(fed_back.delay)]))[0])
+    table, delay = _of("unstable_roots", body, stiffness, gravity, damping, feedback)
+    return int(table.unstable_each(np.array([delay]))[0])
 
 
 @says_its_arguments(WRITE)
@@ -218,22 +217,31 @@ def rightmost_root(
     >>> print(f"{sf.rightmost_root(body, K, damping=B, feedback=F):.3f} 1/s")
     -0.584+0.940j 1/s
     """
-    checked_person(body, stiffness, gravity)
-    _refuse_traced("rightmost_root", body, stiffness, gravity, damping, feedback)
-    fed_back = checked_feedback(feedback)
-    numbers, rigid = numbers_of(body, stiffness, gravity, checked_damping(damping), fed_back)
-    root, proven = all_rightmost(numbers, rigid, np.array([float(fed_back.delay)]))
+    given = (body, stiffness, gravity, damping, feedback)
+    numbers, rigid, delay = checked_numbers("rightmost_root", *given)
+    root, proven = all_rightmost(numbers, rigid, np.array([delay]))
     if not proven[0]:
         raise ArithmeticError(f"no root was proven to be the rightmost; the best was {root[0]}")
     return complex(root[0])
 
 
-def _of(
+def checked_numbers(
     function: str, body: Body, stiffness: Stiffness, gravity: Scalar, damping: Any, feedback: Any
-) -> Crossings:
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Check what a public function is given; return what :func:`numbers_of` does, and the delay."""
     checked_person(body, stiffness, gravity)
     _refuse_traced(function, body, stiffness, gravity, damping, feedback)
-    return _table(body, stiffness, gravity, checked_damping(damping), checked_feedback(feedback))
+    fed_back = checked_feedback(feedback)
+    found = numbers_of(body, stiffness, gravity, checked_damping(damping), fed_back)
+    return *found, float(fed_back.delay)
+
+
+def _of(
+    function: str, body: Body, stiffness: Stiffness, gravity: Scalar, damping: Any, feedback: Any
+) -> tuple[Crossings, float]:
+    """Return the crossings of one person, and the delay (s)."""
+    numbers, rigid, delay = checked_numbers(function, body, stiffness, gravity, damping, feedback)
+    return _table(numbers, rigid), delay
 
 
 def _refuse_traced(
@@ -250,10 +258,8 @@ def _refuse_traced(
         )
 
 
-def _table(
-    body: Body, stiffness: Stiffness, gravity: Scalar, damping: Any, feedback: Feedback
-) -> Crossings:
-    table = all_crossings(*numbers_of(body, stiffness, gravity, damping, feedback))
+def _table(numbers: np.ndarray, rigid: np.ndarray) -> Crossings:
+    table = all_crossings(numbers, rigid)
     # a root at 0, at every delay, is known not to stand whatever else rounding leaves open
     if table.uncertain[0] and not table.neutral[0]:
         raise ArithmeticError(

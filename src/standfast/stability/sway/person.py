@@ -10,17 +10,16 @@ import numpy as np
 
 from standfast.anthropometry.body import Body
 from standfast.errors import InputError, says_its_arguments, shortened
-from standfast.mechanics.feedback import Feedback, checked_damping, checked_feedback
-from standfast.mechanics.joints import Stiffness, checked_person
+from standfast.mechanics.feedback import Feedback
+from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import TURN, Array, Scalar
 from standfast.parameters import JOINTS, PARAMETERS, STANDARD_GRAVITY, checked_number
-from standfast.stability.feedback import is_stable, numbers_of
+from standfast.stability.feedback import WRITE, checked_numbers, is_stable
 from standfast.stability.sway.density import COM, COP, PAIRS, Swaying, densities
 from standfast.stability.sway.integral import integrals
 from standfast.stability.sway.persons import damped, swaying_of, variances
 
-WRITE = "of feedback write feedback=Feedback(proportional=…, derivative=…, delay=…)"
 EXACT = 1e-10  # relative, of what is asked of one person
 
 
@@ -100,7 +99,8 @@ def sway_covariance(
     >>> print(f"{1e3 * found[0, 0] ** 0.5:.2f} mrad at the ankle")
     4.47 mrad at the ankle
     """
-    swaying, stands, ends = _swaying(body, stiffness, gravity, damping, feedback, noise)
+    given = (body, stiffness, gravity, damping, feedback, noise)
+    swaying, stands, ends = checked_swaying("sway_covariance", *given)
     if not (stands and ends):
         free = np.isfinite(np.array(stiffness.joints, float))
         return np.where(free[:, None] & free, np.inf, 0.0)
@@ -144,7 +144,8 @@ def sway_integrals(
 
     What the person sways too near to falling to say is None.
     """
-    swaying, stands, ends = _swaying(body, stiffness, gravity, damping, feedback, noise)
+    given = (body, stiffness, gravity, damping, feedback, noise)
+    swaying, stands, ends = checked_swaying("sway_integrals", *given)
     settles = np.array([stands and ends])
     found, sure = variances(tuple(rows), swaying, settles, accuracy=EXACT)
     return [
@@ -197,7 +198,8 @@ def sway_spectrum(
     hertz = np.atleast_1d(np.asarray(frequency, float))
     if hertz.ndim != 1 or not hertz.size or not (np.isfinite(hertz) & (hertz >= 0.0)).all():
         raise InputError(f"frequency = {shortened(frequency)} is not one or more numbers of Hz")
-    swaying, stands, _ = _swaying(body, stiffness, gravity, damping, feedback, noise)
+    given = (body, stiffness, gravity, damping, feedback, noise)
+    swaying, stands, _ = checked_swaying("sway_spectrum", *given)
     if not stands:
         raise InputError("the person falls, and so has no spectrum of sway")
     omega = TURN * hertz
@@ -206,7 +208,8 @@ def sway_spectrum(
     return Spectrum(hertz, *(2.0 * row for row in (ankle, knee, hip, rows[COM], rows[COP])))
 
 
-def _swaying(
+def checked_swaying(
+    function: str,
     body: Body,
     stiffness: Stiffness,
     gravity: Scalar,
@@ -215,22 +218,29 @@ def _swaying(
     noise: Any,
 ) -> tuple[Swaying, bool, bool]:
     """Check what a public function is given; return the person, if it stands, and if damped."""
-    checked_person(body, stiffness, gravity)
-    fed_back = checked_feedback(feedback)
-    stands = is_stable(body, stiffness, gravity, damping=damping, feedback=fed_back)
-    numbers, rigid = numbers_of(body, stiffness, gravity, checked_damping(damping), fed_back)
-    loads = np.array(joint_gravity(body, gravity)[0], float)
-    weight = np.array([float(np.sum(body.segment_mass)) * float(gravity)])
-    delay = np.array([float(fed_back.delay)])
-    swaying = swaying_of(
+    numbers, rigid, delay = checked_numbers(function, body, stiffness, gravity, damping, feedback)
+    stands = is_stable(body, stiffness, gravity, damping=damping, feedback=feedback)
+    swaying = swaying_alone(body, gravity, numbers, rigid, delay, _checked_noise(noise))
+    return swaying, stands, bool(damped(numbers, rigid, swaying.delay)[0])
+
+
+def swaying_alone(
+    body: Body,
+    gravity: Scalar,
+    numbers: np.ndarray,
+    rigid: np.ndarray,
+    delay: float,
+    noise: Sequence[float],
+) -> Swaying:
+    """Return one person as densities need it; ``numbers``, ``rigid``: :func:`.numbers_of`."""
+    return swaying_of(
         numbers,
         rigid,
-        delay,
-        np.array(_checked_noise(noise))[:, None],
-        loads[:, None],
-        weight,
+        np.array([delay]),
+        np.array(noise, float)[:, None],
+        np.array(joint_gravity(body, gravity)[0], float)[:, None],
+        np.array([float(np.sum(body.segment_mass)) * float(gravity)]),
     )
-    return swaying, stands, bool(damped(numbers, rigid, delay)[0])
 
 
 def _checked_noise(noise: Any) -> list[float]:

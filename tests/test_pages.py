@@ -75,6 +75,7 @@ GIVEN = {
     "figures.md": {"study.h5": an_atlas},
     "reading-files.md": {"study.h5": an_atlas},
     "recordings.md": {"recording.csv": a_recording},
+    "sway.md": {"recording.csv": a_recording},
 }
 
 

@@ -61,7 +61,8 @@ def completed(content: dict) -> dict:
     """Return a study's content; tables that it leaves out are those of another."""
     if "population" in content or {"body", "stiffness", "output"} <= content.keys():
         return content
-    laws = [v for v in content.get("stiffness", {}).values() if isinstance(v, dict)]
+    tables = (content.get(name, {}) for name in ("stiffness", "noise", "damping"))
+    laws = [v for table in tables for v in table.values() if isinstance(v, dict)]
     of_people = any({"distribution", "law"} & v.keys() for v in laws)
     return {**copy.deepcopy(A_POPULATION if of_people else A_STUDY), **content}
 

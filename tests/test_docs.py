@@ -72,9 +72,11 @@ def test_the_page_on_python_runs(names):
     np.testing.assert_allclose(found, np.radians(upper), rtol=1e-12)
 
 
-def test_the_published_law_of_the_page_on_people_is_a_study_and_says_its_numbers():
-    page = (DOCS / "people.md").read_text("utf-8")
-    block, of_sway = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+def test_the_published_law_of_the_guides_is_a_study_and_says_its_numbers():
+    page = (DOCS / "how-to" / "published-law.md").read_text("utf-8")
+    (block,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    sways = (DOCS / "how-to" / "population-sway.md").read_text("utf-8")
+    (of_sway,) = re.findall(r"^\[noise\].*?(?=^quantities)", sways, re.DOTALL | re.MULTILINE)
     head = '[population]\nbuiltin = "nhanes-2017-2018"\nsize = 1000\n'
     study = PopulationStudy.from_dict(tomllib.loads(head + block))
     noisy = PopulationStudy.from_dict(tomllib.loads(head + block + of_sway))
@@ -94,7 +96,7 @@ def test_the_published_law_of_the_page_on_people_is_a_study_and_says_its_numbers
 
 def test_the_page_on_recordings_runs(tmp_path, monkeypatch):
     page = (DOCS / "recordings.md").read_text("utf-8")
-    (block,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    _, block = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     _, ap, ml = sway()
     text = table(["COP_AP", "COP_ML"], [1e3 * ap, 1e3 * ml])
     (tmp_path / "recording.csv").write_text(text, encoding="utf-8")

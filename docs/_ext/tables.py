@@ -86,8 +86,8 @@ def builtin() -> Iterable[tuple[str, ...]]:
     """List the built-in populations."""
     yield "name", "groups", "source"
     for name, groups in POPULATIONS.items():
-        listed = sorted({(one.sex, one.age) for one in groups})
-        yield f"`{name}`", ", ".join(f"{sex} {age}" for sex, age in listed), SOURCES[name]
+        ages = sorted({one.age for one in groups})
+        yield f"`{name}`", f"{', '.join(ages)}; of each sex", SOURCES[name]
 
 
 def delays() -> Iterable[tuple[str, ...]]:

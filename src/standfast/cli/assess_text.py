@@ -28,7 +28,7 @@ columns of the output, one line a person (nothing where it is not known):
   least_gain_at                         the joint where that is least; nothing where none suffices
 with gains also damping, delay and gains, and
   stands_with_feedback                  yes or no at the own delay
-  critical_delay_s                      delay at which standing is first lost; 0, inf: never
+  critical_delay_s                      delay that is first too long; 0: falls without, inf: none is
   delay_margin_s                        critical delay less the own
 with noise also the noises, and
   JOINT_sway_rad, com_sway_m, cop_sway_m, cop_velocity_m_s

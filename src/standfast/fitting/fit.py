@@ -73,6 +73,8 @@ def fit_sway(
     law
         a name (``standfast laws`` lists them) or a Law. Its stiffness, damping and gains are scaled
         by m g h from its body to ``body``.
+    body
+        of whoever was measured.
     free
         what is fitted, of ``noise``, ``proportional_gain``, ``derivative_gain``,
         ``feedback_delay``; all else is the law's, the noise 1 N·m·√s.

@@ -35,19 +35,19 @@ class Fitted(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SwayFit:
-    """What :func:`.fit.fit_sway` found.
+    """What :func:`standfast.fit_sway` found.
 
     Attributes
     ----------
     law : its name
-    parameters : of what was open, :class:`Estimate` by name
+    parameters : of what was open, :class:`~standfast.fitting.result.Estimate` by name
         ``noise`` (N·m·√s, σ at each noisy joint), ``proportional_gain`` (N·m/rad) and
         ``derivative_gain`` (N·m·s/rad) of the ankle, with which those of other joints go in the
         law's proportion, and ``feedback_delay`` (s).
     margins : ``critical_delay``, ``delay_margin`` (s), ``decay_rate`` (1/s), ``safety_factor``
         the last is the factor by which all stiffness and proportional gains could be divided, and
         the person just not topple.
-    measures : :class:`Fitted` by name
+    measures : :class:`~standfast.fitting.result.Fitted` by name
     p_value
         how often a recording of a person who follows the law is further off than this one.
     explained : whether that is 5 % or more

@@ -154,7 +154,7 @@ def checked_distribution(name: str, given: Any) -> ParameterDistribution:
     if not isinstance(given, Mapping):
         raise InputError(
             f'{where} = {given!r} is not a law; write [{where}] with distribution = "fixed" and '
-            "value = …, for example"
+            "value = …, which is the same in everybody"
         )
     if "law" in given:
         return checked_distribution(name, _ready(row, given))

@@ -200,12 +200,7 @@ def sway_spectrum(
     >>> (1e6 * spectrum.cop).round(2)    # mm²/Hz
     array([363.28,   9.12])
     """
-    hertz = np.atleast_1d(np.asarray(frequency, float))
-    if hertz.ndim != 1 or not hertz.size or not ((hertz >= 0) & (hertz <= HIGHEST_FREQUENCY)).all():
-        raise InputError(
-            f"frequency = {shortened(frequency)} is not one or more numbers of Hz, from 0 to "
-            f"{HIGHEST_FREQUENCY:,.0f}"
-        )
+    hertz = _checked_frequencies(frequency)
     given = (body, stiffness, gravity, damping, feedback, noise)
     swaying, stands, ends = checked_swaying("sway_spectrum", *given)
     if not stands:
@@ -263,3 +258,13 @@ def _checked_noise(noise: Any) -> list[float]:
         checked_number(f"{joint}_noise", value, row=PARAMETERS[f"{joint}_noise"])
         for joint, value in zip(JOINTS, noise, strict=True)
     ]
+
+
+def _checked_frequencies(frequency: Any) -> Array:
+    hertz = np.atleast_1d(np.asarray(frequency, float))
+    if hertz.ndim != 1 or not hertz.size or not ((hertz >= 0) & (hertz <= HIGHEST_FREQUENCY)).all():
+        raise InputError(
+            f"frequency = {shortened(frequency)} is not one or more numbers of Hz, from 0 to "
+            f"{HIGHEST_FREQUENCY:,.0f}"
+        )
+    return hertz

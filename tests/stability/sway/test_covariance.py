@@ -201,7 +201,10 @@ def test_wrong_noise_is_refused_by_name(change, words):
         sf.sway_covariance(*of, **more)
 
 
-@pytest.mark.parametrize("frequency", [[], -1.0, math.inf, math.nan, [[1.0]], 1.1e4, 1e100])
+@pytest.mark.parametrize(
+    "frequency",
+    [[], "fast", [[1.0], [1.0, 2.0]], None, -1.0, math.inf, math.nan, [[1.0]], 1.1e4, 1e100],
+)
 def test_wrong_frequencies_are_refused(frequency):
     of, more = person()
     with pytest.raises(sf.InputError, match="frequency"):

@@ -261,7 +261,10 @@ def _checked_noise(noise: Any) -> list[float]:
 
 
 def _checked_frequencies(frequency: Any) -> Array:
-    hertz = np.atleast_1d(np.asarray(frequency, float))
+    try:
+        hertz = np.atleast_1d(np.asarray(frequency, float))
+    except (TypeError, ValueError):  # text, or rows of different lengths
+        hertz = np.empty(0)
     if hertz.ndim != 1 or not hertz.size or not ((hertz >= 0) & (hertz <= HIGHEST_FREQUENCY)).all():
         raise InputError(
             f"frequency = {shortened(frequency)} is not one or more numbers of Hz, from 0 to "

@@ -2,6 +2,7 @@
 
 import copy
 import csv
+import math
 import re
 import shutil
 from pathlib import Path
@@ -12,7 +13,7 @@ import pytest
 
 import populations
 import standfast as sf
-from pages import commands_of, not_printed, run_page
+from pages import commands_of, not_printed, run_page, words_of
 from recordings import sway, table
 from standfast.quantities import QUANTITIES
 from standfast.study import grid
@@ -44,6 +45,44 @@ def an_atlas(name: str) -> None:
     sf.sweep(study, name)
 
 
+def a_study_to_draw(num: int = 8) -> dict:
+    """Two axes of eight values or more, body models, and the Moon."""
+    study = copy.deepcopy(GOOD)
+    side = {"start": 300.0, "stop": 2000.0, "num": num}
+    study["gravity"] = [1.62, 9.81]
+    study["body"] = {"model": ["winter", "edwards2007"], "height": 1.75, "mass": 75}
+    study["stiffness"] = {"ankle": side, "knee": [1200, 2000], "hip": side}
+    study["output"]["quantities"] = ["frequency", "safety_factor"]
+    return study
+
+
+def an_atlas_to_draw(name: str) -> None:
+    sf.sweep(a_study_to_draw(), name)
+
+
+def some_subjects(name: str) -> None:
+    """Those that the page shows."""
+    page = (DOCS / "figures.md").read_text("utf-8")
+    (lines,) = re.findall(r"^id,height.*?(?=^```)", page, re.MULTILINE | re.DOTALL)
+    Path(name).write_text(lines, encoding="utf-8")
+
+
+def a_study_of_shards(name: str) -> None:
+    Path(name).write_text(toml_of(a_study_to_draw(num=2000)), encoding="utf-8")
+
+
+def a_swaying_person(name: str) -> None:
+    content = {
+        "body": {"height": 1.7, "mass": 70.0}, "output": {"quantities": ["cop_sway"]},
+        "stiffness": {"ankle": 400.0, "knee": math.inf, "hip": math.inf},
+        "damping": {"ankle": 30.0}, "noise": {"ankle": 0.4},
+        "feedback": {
+            "proportional": {"ankle": 600.0}, "derivative": {"ankle": 150.0}, "delay": 0.1,
+        },
+    }  # fmt: skip
+    Path(name).write_text(toml_of(content), encoding="utf-8")
+
+
 def some_people(name: str, count: int = 40) -> None:
     random = np.random.default_rng(3)
     with Path(name).open("w", encoding="utf-8") as file:
@@ -57,8 +96,9 @@ def some_people(name: str, count: int = 40) -> None:
 
 
 def a_recording(name: str) -> None:
-    _, ap, ml = sway()
-    text = table(["COP_AP", "COP_ML"], [1e3 * ap, 1e3 * ml])
+    time, ap, ml = sway()
+    text = table(["t (s)", "COP_AP (mm)", "COP_ML (mm)"], [time, 1e3 * ap, 1e3 * ml])
+    Path(name).parent.mkdir(exist_ok=True)
     Path(name).write_text(text, encoding="utf-8")
 
 
@@ -72,11 +112,19 @@ GIVEN = {
     "study.md": {"winter.h5": an_atlas, "edwards.h5": an_atlas},
     "population.md": {"people.csv": some_people},
     "people.md": {"men.csv": some_people, "women.csv": some_people, "people.toml": a_population},
-    "figures.md": {"study.h5": an_atlas},
+    "explore.md": {"atlas.h5": an_atlas},
+    "figures.md": {
+        "study.h5": an_atlas_to_draw, "winter.h5": an_atlas, "edwards.h5": an_atlas,
+        "subjects.csv": some_subjects,
+    },
+    "many-machines.md": {"study.toml": a_study_of_shards},
     "reading-files.md": {"study.h5": an_atlas},
-    "recordings.md": {"recording.csv": a_recording},
+    "recordings.md": {
+        "recording.csv": a_recording, "S1/one.csv": a_recording, "S1/two.csv": a_recording,
+        "person.toml": a_swaying_person,
+    },
     "sway.md": {"recording.csv": a_recording},
-}
+}  # fmt: skip
 
 
 @pytest.fixture
@@ -148,3 +196,15 @@ def test_lines_of_a_console_are_found_in_their_order():
     assert not_printed(lines, "x\ny\nz\n") is None
     assert not_printed(lines, "z\nx\n") == "  z"
     assert other == ("standfast c", [])
+
+
+def test_patterns_and_redirections_are_those_of_a_shell(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for name in ("b.csv", "a.csv"):
+        Path(name).touch()
+    assert words_of("standfast sway *.csv --fit  # all") == [
+        "standfast", "sway", "a.csv", "b.csv", "--fit",
+    ]  # fmt: skip
+    Path("page.md").write_text("```sh\nstandfast cite > found.bib\n```\n", encoding="utf-8")
+    run_page(Path("page.md"), capsys)
+    assert "@misc{standfast" in Path("found.bib").read_text("utf-8")

@@ -62,6 +62,37 @@ def test_a_paper_of_the_software_and_its_release_come_too(capsys, tmp_path, monk
     assert paper.fields["title"] == r"{100 \% of it}"
 
 
+def test_works_that_are_no_articles_and_authors_of_every_kind(capsys, tmp_path, monkeypatch):
+    content = yaml.safe_load(FILE.read_text("utf-8"))
+    work = {"type": "report", "title": "On standing", "year": 2013}
+    people = [
+        {"family-names": "van den Bogert", "given-names": "Ton"},
+        {"name-particle": "van den", "family-names": "Bogert", "given-names": "Ton"},
+    ]
+    content |= {
+        "preferred-citation": {**work, "authors": people},
+        "references": [
+            {**work, "authors": people[:1]},
+            {**work, "year": 2014, "authors": people[1:]},
+            {"type": "report", "title": "Undated", "authors": [{"family-names": "Doe"}]},
+            {**work, "authors": [{"name": "The Balance Group, Ltd."}]},
+        ],
+    }
+    path = tmp_path / "CITATION.cff"
+    path.write_text(yaml.safe_dump(content), encoding="utf-8")
+    monkeypatch.setattr(cite, "citation_file", lambda: path)
+    found = entries(capsys)
+    keys = ["vandenbogert2013", "vandenbogert2014", "doe", "thebalancegroupltd2013"]
+    assert list(found) == ["standfast", "standfast-paper", *keys]
+    for key in ("standfast-paper", *keys):
+        assert found[key].type == "misc"
+        assert "howpublished" not in found[key].fields
+    for author in (*found["standfast-paper"].persons["author"], *found[keys[1]].persons["author"]):
+        assert (author.prelast_names, author.last_names) == (["van", "den"], ["Bogert"])
+    (group,) = found[keys[-1]].persons["author"]
+    assert str(group) == "{The Balance Group, Ltd.}"
+
+
 def test_the_file_is_one():
     """A wheel has it inside; in a checkout there is none but that of the root."""
     if not FILE.exists():

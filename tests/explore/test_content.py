@@ -264,6 +264,15 @@ def test_limits_are_where_standing_ends():
     }  # fmt: skip
 
 
+def test_with_gains_springs_have_no_limit_of_standing_in_an_atlas():
+    names = ["safety_factor", "stiffness_reserve", "frequency", "eigenvalue_1"]
+    late = ["delay_margin", "decay_rate", "damping_ratio"]
+    content = {**UNEQUAL, "output": {"quantities": [*names, *late]}}
+    for more, without in (({}, set()), (NERVES, set(names))):
+        found = told({**content, **more}, atlas=True)["quantities"]
+        assert {row["name"] for row in found if row["limit"] is None} == without
+
+
 @pytest.mark.parametrize(("size", "step"), [(1.0, 1.0), (9.9, 5.0), (0.0499, 0.02), (25.0, 20.0)])
 def test_steps_are_round(size, step):
     assert round_step(size) == step

@@ -89,6 +89,38 @@ def test_a_margin_tells_who_stands_too_and_a_threshold_does_not(atlas, tmp_path)
     assert found == start
 
 
+def test_with_gains_feedback_tells_who_stands_and_springs_do_not(tmp_path):
+    """At the start the springs are too soft for gravity, and feedback may hold the person."""
+    gains = {"proportional": {"ankle": 600.0}, "derivative": {"ankle": 250.0}}
+
+    def opened_with(quantity, soft):
+        content = {
+            **GOOD, "stiffness": {"ankle": soft, "knee": math.inf, "hip": [50.0, 3000.0, 9000.0]},
+            "damping": {"hip": 50.0}, "feedback": {"delay": 0.1, **gains},
+            "output": {"quantities": [quantity]},
+        }  # fmt: skip
+        start, found = opened(
+            sf.sweep(content, tmp_path / f"{quantity}.h5"),
+            {"ankle_stiffness": soft[0], "hip_stiffness": 50.0},
+        )
+        body = sf.Body.from_height_mass(start["height"], start["mass"], start["body_model"])
+        late = sf.Feedback((600.0, 0.0, 0.0), (250.0, 0.0, 0.0), 0.1)
+
+        def stands(at, **fed_back):
+            K = sf.Stiffness(at[ANKLE], math.inf, at[HIP])
+            return sf.is_stable(body, K, at["gravity"], damping=(0.0, 0.0, 50.0), **fed_back)
+
+        assert not stands(start, feedback=late)
+        return start, found, stands(found), stands(found, feedback=late)
+
+    for quantity in ("decay_rate", "delay_margin", "damping_ratio"):
+        _, _, by_springs, fed_back = opened_with(quantity, [200.0, 400.0, 500.0])
+        assert (by_springs, fed_back) == (False, True)
+    for quantity in ("safety_factor", "stiffness_reserve", "frequency", "eigenvalue_1"):
+        start, found, _, _ = opened_with(quantity, [200.0, 400.0, 1500.0])  # 1500 holds by itself
+        assert found == start
+
+
 FEEDBACK = {
     "delay": {"start": 0.0, "stop": 0.8, "num": 81},
     "proportional": {"ankle": {"start": 0.0, "stop": 900.0, "num": 31}},

@@ -240,10 +240,13 @@ def test_an_atlas_without_the_verdict_is_hatched_where_its_values_are_below_the_
     factor = np.broadcast_to(np.linspace(0.5, 1.6, 6), (5, 3, 6)).copy()
     page = page_of(embedded_content(safety_factor=factor), "x=ankle_stiffness&y=hip_stiffness")
     assert page.get_attribute("#bar", "aria-label").endswith("hatched: falls")
-    # beyond the critical delay a person may stand again
-    gains = {"proportional": {"ankle": 100.0}, "derivative": {"ankle": 10.0}, "delay": 0.1}
-    page = page_of(embedded_content(delay_margin=factor - 1.0, feedback=gains))
-    assert "hatched" not in page.get_attribute("#bar", "aria-label")
+    gains = {"proportional": {"ankle": 600.0}, "derivative": {"ankle": 250.0}, "delay": 0.1}
+    page = page_of(embedded_content(decay_rate=factor - 1.0, feedback=gains))
+    assert page.get_attribute("#bar", "aria-label").endswith("hatched: falls")
+    # beyond the critical delay a person may stand again, and with feedback whom springs do not hold
+    for values in ({"delay_margin": factor - 1.0}, {"safety_factor": factor}):
+        page = page_of(embedded_content(**values, feedback=gains))
+        assert "hatched" not in page.get_attribute("#bar", "aria-label")
 
 
 def test_a_file_is_named_after_the_page_and_what_is_in_it(page_of):

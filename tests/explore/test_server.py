@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import standfast as sf
-from standfast.explore.answers import MOST_BYTES
+from standfast.explore.answers import MOST_BYTES, refuse
 from standfast.explore.served import Served
 from standfast.explore.server import answering, listening
 
@@ -30,6 +30,8 @@ class StandIns:
             raise RuntimeError("a secret of the program")
         if quantity == "odd":
             raise sf.InputError("100 % odd")
+        if quantity == "refused":
+            refuse(409, "100 % refused")
         return np.arange(6, dtype=np.uint8).reshape(3, 2) + at["knee_stiffness"]
 
     def are_few(self, asked):
@@ -222,6 +224,8 @@ def test_a_plane_is_asked_by_names(address, changes):
 def test_a_sentence_reaches_the_page_and_a_failure_does_not(address, caplog):
     status, _, content = address("POST", "/atlas", {**PLANE, "quantity": "odd"})
     assert (status, content) == (400, b"100 % odd")
+    status, _, content = address("POST", "/atlas", {**PLANE, "quantity": "refused"})
+    assert (status, content) == (409, b"100 % refused")
     status, _, content = address("POST", "/atlas", {**PLANE, "quantity": "broken"})
     assert (status, content) == (500, b"the program failed; its terminal says how")
     assert "a secret of the program" in caplog.text

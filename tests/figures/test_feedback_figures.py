@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.contour import ContourSet
 
 import standfast as sf
 from reading import check_legible
@@ -303,3 +304,25 @@ def test_a_negative_delay_margin_is_not_said_to_be_a_fall(tmp_path):
             if text.get_text() in ("falls", "beyond the critical delay")
         )
     assert said == {"delay_margin": "beyond the critical delay", "decay_rate": "falls"}
+
+
+@pytest.mark.parametrize("gain", [0.0, 600.0])
+def test_springs_say_who_falls_only_without_gains(gain, tmp_path):
+    content = {
+        "gravity": GRAVITY,
+        "body": NOMINAL,
+        "stiffness": {
+            "ankle": {"start": 100.0, "stop": 2000.0, "num": 9},
+            "knee": math.inf,
+            "hip": {"start": 500.0, "stop": 2000.0, "num": 9},
+        },
+        "feedback": {"proportional": {"ankle": gain}, "delay": 0.1},
+        "output": {"quantities": ["safety_factor", "stable"]},
+    }
+    atlas = sf.sweep(content, tmp_path / "springs.h5")
+    curves = sf.plot.curves(atlas, "safety_factor", at={"hip": 2000.0})
+    assert ("falls" in {text.get_text() for text in curves.texts}) == (gain == 0.0)
+    # a line at 1 is one of the numbers' lines, not the limit, which is drawn by itself
+    lines = [c.levels.tolist() for c in sf.plot.map(atlas, "safety_factor").collections
+             if isinstance(c, ContourSet) and not c.filled]  # fmt: skip
+    assert any(1.0 in levels for levels in lines) == (gain != 0.0)

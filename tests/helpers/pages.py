@@ -2,7 +2,8 @@
 
 ``python`` runs, all blocks of a page one after another; ``toml`` is a study or a part of one, and
 is written where the words before it name a file; of ``sh`` and ``console`` every line that calls
-standfast runs in this process, and the lines that follow one in ``console`` are printed by it.
+standfast runs in this process, ``*`` and ``>`` as in a shell, and the lines that follow one in
+``console`` are printed by it.
 A cell of a notebook is python, a file that it writes, or lines of a shell, as its first line says;
 one that shows its output alone is left out.
 An HTML comment ``<!-- skip: next -->`` leaves out the block that follows, and is not seen.
@@ -109,8 +110,12 @@ class Shell:
     def run(self, text: str, where: str) -> None:
         for command, printed in commands_of(text):
             self.capsys.readouterr()
-            code = main(shlex.split(command, comments=True)[1:])
+            words = words_of(command)[1:]
+            target = words[words.index(">") + 1] if ">" in words else None
+            code = main(words[: words.index(">")] if target else words)
             out, err = self.capsys.readouterr()
+            if target is not None:
+                Path(target).write_text(out, encoding="utf-8")
             if code != 0:
                 raise AssertionError(f"{where}: {command}\n{err}")
             if (missing := not_printed(printed, out)) is not None:
@@ -127,6 +132,14 @@ def commands_of(text: str) -> Iterator[tuple[str, list[str]]]:
         command = lines[start].removeprefix("$ ")
         if command.startswith("standfast "):
             yield command, lines[start + 1 : end] if prompts else []
+
+
+def words_of(command: str) -> list[str]:
+    """Return the words of a command as a shell does: files in place of a pattern of theirs."""
+    found = []
+    for word in shlex.split(command, comments=True):
+        found += sorted(map(str, Path().glob(word))) if "*" in word else [word]
+    return found
 
 
 def not_printed(expected: list[str], out: str) -> str | None:

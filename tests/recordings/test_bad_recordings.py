@@ -43,6 +43,13 @@ def clocked(form):
     return "\n".join([LINES[0], *(f"{t},{row}" for t, row in zip(times, rows, strict=True))]) + "\n"
 
 
+# A clock whose date stays at midnight: half a minute of the evening, then of the morning before.
+SET_BACK = "\n".join([LINES[0], *(
+    f"2024-02-29 {'23:59' if t < 30.0 else '00:00'}:{t % 30.0 + (30.0 if t < 30.0 else 0.0):06.3f},"
+    + line.split(",", 1)[1]
+    for t, line in zip(TIME, LINES[1:], strict=False)
+)])  # fmt: skip
+
 REFUSED = {
     "empty": ("", {}, "it is empty; give a line of names"),
     "blank": ("\n \n\t\n", {}, "it is empty"),
@@ -81,6 +88,8 @@ REFUSED = {
     "a clock that is none": (clocked("{:02.0f}:75:{:06.3f}"), {}, "line 2, column 't (s)': '00:75:00.000' is no time of a clock as the others are, hh:mm:ss"),
     "a clock of whole seconds": (clocked("{:02.0f}:30:{:02.0f}"), {}, "the clock in 't (s)' has whole seconds, in which the rate does not show; say the samples a second as rate=100"),
     "a date that is none": (clocked("2024-02-30 {:02.0f}:30:{:06.3f}"), {}, "'2024-02-30 00:30:00.000' is no time of a clock"),
+    "a time without the date of the others": (clocked("2024-02-29 {:02.0f}:30:{:06.3f}").replace("2024-02-29 00:30:10.000", "00:30:10.000"), {}, "line 1002, column 't (s)': '00:30:10.000' is no time of a clock as the others are"),
+    "a date that does not change at midnight": (SET_BACK, {}, "time goes back in line 3002, from 86400 to 0 s"),
     "a number among times of a clock": (clocked("{:02.0f}:30:{:06.3f}").replace("00:30:10.000", "10.5"), {}, "line 1002, column 't (s)': '10.5' is no time of a clock"),
     "rows missing": (without(2001, 2051), {}, "50 samples (0.5 s) are missing after 19.99 s, line 2001; up to 0.1 s is filled"),
     "cells missing": (emptied(*range(2001, 2031)), {}, "30 samples (0.3 s) are missing after 19.99 s, line 2001"),

@@ -45,14 +45,16 @@ def _works(content: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
     if "preferred-citation" in content:
         yield "standfast-paper", content["preferred-citation"]
     for work in content["references"]:
-        yield f"{work['authors'][0]['family-names']}{work['year']}".lower(), work
+        first = _surname(work["authors"][0])
+        letters = "".join(filter(str.isalnum, first))  # a blank would end the key
+        yield f"{letters}{work.get('year', '')}".lower(), work
 
 
 def _entry(key: str, work: dict[str, Any]) -> str:
     """Return one entry of BibTeX; what a work does not have is left out."""
     article = work["type"] == "article"
     pages = f"{work['start']}--{work['end']}" if "start" in work else None
-    software = None if article else f"Software, version {work['version']}"
+    software = f"Software, version {work['version']}" if "version" in work else None
     date = str(work.get("date-released", work.get("year", "")))
     fields = {
         "author": " and ".join(map(_author, work["authors"])),
@@ -74,7 +76,14 @@ def _author(author: dict[str, str]) -> str:
     """Return a person as ``Family, Given``; a group is kept together by braces."""
     if "name" in author:
         return f"{{{_tex(author['name'])}}}"
-    return f"{_tex(author['family-names'])}, {_tex(author['given-names'])}"
+    return ", ".join(map(_tex, filter(None, (_surname(author), author.get("given-names")))))
+
+
+def _surname(author: dict[str, str]) -> str:
+    """Return a group's name, or a person's family name with what stands before it, as van den."""
+    if "name" in author:
+        return author["name"]
+    return f"{author.get('name-particle', '')} {author['family-names']}".strip()
 
 
 def _tex(value: Any) -> str:

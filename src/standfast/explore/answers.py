@@ -78,7 +78,9 @@ class _Answer(RequestHandler):
             self.set_status(400)
             sentence = str(error)
         elif isinstance(error, HTTPError):
-            sentence = error.log_message or f"{self.request.method} is not for this address"
+            # Tornado doubles each % of a message that it is given without arguments
+            said = error.log_message and error.log_message % error.args
+            sentence = said or f"{self.request.method} is not for this address"
         self.set_header("Content-Type", "text/plain; charset=utf-8")
         self.finish(sentence)
 
@@ -90,7 +92,7 @@ class _Answer(RequestHandler):
 
 def refuse(status: int, sentence: str) -> NoReturn:
     """End a request with a sentence."""
-    raise HTTPError(status, sentence.replace("%", "%%"))
+    raise HTTPError(status, sentence)
 
 
 class _Nowhere(_Answer):

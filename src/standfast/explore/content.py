@@ -208,7 +208,8 @@ def _quantity(study: Study, name: str, *, live: bool) -> dict[str, Any]:
         "meaning": row.meaning,
         "dtype": row.dtype,
         "flags": list(row.flags),
-        "limit": row.limit,
+        # what a page computes has gains of its own, and with it the verdict
+        "limit": row.limit_of_standing(study.has_gains and not live),
         "of_noise": is_sway(row),
         # who falls has no bounds of sway, and where no stiffness suffices all fall
         "infinite_falls": is_sway(row) or name in THRESHOLDS,

@@ -108,7 +108,8 @@ def _judging(study: Study) -> tuple[str, float] | None:
     """Return a quantity that tells who stands, and the value above which they do."""
     if "stable" in study.quantities:
         return "stable", VERDICT_LIMIT
-    limits = ((name, QUANTITIES[name].limit) for name in study.quantities)
+    gains = study.has_gains
+    limits = ((name, QUANTITIES[name].limit_of_standing(gains)) for name in study.quantities)
     return next(((name, limit) for name, limit in limits if limit is not None), None)
 
 

@@ -192,19 +192,19 @@ def draw_curves(ax: Axes, atlas: Atlas, quantity: str, cut: Cut) -> None:
     for color, (name, curve) in zip(graded(len(curves)), curves.items(), strict=True):
         ax.plot(x, curve, color=color, label=name or quantity.replace("_", " "))
     set_scale(ax, "x", study, cut.along)
-    _set_height(ax, quantity, list(curves.values()))
+    limit = QUANTITIES[quantity].limit_of_standing(study.has_gains)
+    _set_height(ax, quantity, list(curves.values()), limit)
     ax.set(xlabel=PARAMETERS[cut.along].label, ylabel=QUANTITIES[quantity].label)
     labels.name_curves(ax, ((name, (x, curve)) for name, curve in curves.items()))
 
 
-def _set_height(ax: Axes, quantity: str, curves: Sequence[np.ndarray]) -> None:
+def _set_height(ax: Axes, quantity: str, curves: Sequence[np.ndarray], limit: float | None) -> None:
     """Set the vertical ends, and say on which side of the limit the person falls."""
     values = np.concatenate([curve[np.isfinite(curve)] for curve in curves])
     # a curve that runs away towards an asymptote would flatten all the rest
     middle = np.median(values) if values.size else 0.0
     if values.size and values.min() > 0.0 and values.max() > RUNNING_AWAY * middle:
         ax.set_ylim(0.0, CUT_AT * middle)
-    limit = QUANTITIES[quantity].limit
     low, high = ax.get_ylim()
     ax.set_ylim(low, high)
     if limit is not None and low < limit < high:

@@ -283,6 +283,6 @@ def _limits_of(study: Study, quantity: str, *, known: bool) -> dict[str, Any]:
         count = len(delays)
         kept = {round(i) for i in np.linspace(0, count - 1, min(count, MOST_CURVES))}
         marks = [float(delays[i]) for i in sorted(kept) if delays[i] > 0.0]
-    limit = QUANTITIES[quantity].limit
+    limit = QUANTITIES[quantity].limit_of_standing(study.has_gains)
     drawn = [limit] if known and limit is not None else []
     return {"marks": marks, "drawn": drawn}

@@ -76,8 +76,9 @@ class Quantity:
     of sway: what quantities that are asked together need is found together.
     ``of_one_joint`` finds it in closed form where two joints are rigid throughout a study. ``own``
     is one that a user added. ``limit`` is its value at the limit of standing, if there is such a
-    value. Below it the person falls, but for ``delay_margin``: beyond the critical delay there can
-    be windows of delays at which they stand again, so that the verdict alone says it.
+    value; of what springs alone decide only without gains (``limit_of_standing``). Below it the
+    person falls, but for ``delay_margin``: beyond the critical delay there can be windows of delays
+    at which they stand again, so that the verdict alone says it.
     ``jumps`` says that it does so between neighbours, from one root or mode to another, so that
     contours of it are none.
     """
@@ -124,6 +125,11 @@ class Quantity:
         if self.fed_back is not None and (study_has_gains or self.reference is None):
             return "numbers" if one_joint and self.of_one_joint is not None else "fed back"
         return "steps" if self.step is not None else "numbers"
+
+    def limit_of_standing(self, study_has_gains: bool) -> float | None:
+        """Return ``limit``, or None where feedback decides who stands, and this is of springs."""
+        of_springs = self.reference is not None and self.fed_back is None
+        return None if study_has_gains and of_springs else self.limit
 
     def depends_on(self, parameter: str, *, study_has_gains: bool = False) -> bool:
         """Return whether a parameter, by its name, can change it.

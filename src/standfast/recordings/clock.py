@@ -35,7 +35,8 @@ def clock_seconds(entries: Sequence[str], lines: Sequence[int], name: str) -> Ar
         if an entry is no time, or all are whole seconds, in which steps of samples do not show.
     """
     first = next((found for found in map(CLOCK.fullmatch, entries) if found), None)
-    start = _day(first) if first and _possible(first) else 0  # digits of the year would be lost
+    # whole days from the year 1 on would take digits from the seconds
+    start = _day(first) if first and _possible(first) else None
     seconds = np.array([
         _seconds(entry, line, name, start) for entry, line in zip(entries, lines, strict=True)
     ])  # fmt: skip
@@ -45,27 +46,32 @@ def clock_seconds(entries: Sequence[str], lines: Sequence[int], name: str) -> Ar
             f"the clock in {name!r} has whole seconds, in which the rate does not show; say the "
             "samples a second as rate=100"
         )
+    if start is not None:
+        return seconds
     known = seconds[there]
     fallen_back = np.diff(known, prepend=known[:1]) < -0.5 * DAY
     seconds[there] = known + DAY * np.cumsum(fallen_back)
     return seconds
 
 
-def _seconds(entry: str, line: int, name: str, start: int) -> float:
+def _seconds(entry: str, line: int, name: str, start: int | None) -> float:
     if not entry:
         return np.nan
     found = CLOCK.fullmatch(entry)
-    if found is None or not _possible(found):
+    day = _day(found) if found and _possible(found) else None
+    if found is None or not _possible(found) or (day is None) != (start is None):
         raise InputError(
             f"line {line}, column {name!r}: {shortened(entry)} is no time of a clock as the others "
             "are, hh:mm:ss"
         )
+    days = 0 if day is None or start is None else day - start
     minutes = HOUR * int(found["hour"] or 0) + MINUTE * int(found["minute"])
-    return DAY * (_day(found) - start) + minutes + float(found["second"].replace(",", "."))
+    return DAY * days + minutes + float(found["second"].replace(",", "."))
 
 
-def _day(found: re.Match[str]) -> int:
-    return date.fromisoformat(found["date"]).toordinal() if found["date"] else 0
+def _day(found: re.Match[str]) -> int | None:
+    """Return the number of a day since the year 1, None without a date."""
+    return date.fromisoformat(found["date"]).toordinal() if found["date"] else None
 
 
 def _possible(found: re.Match[str]) -> bool:

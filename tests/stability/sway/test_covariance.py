@@ -201,11 +201,34 @@ def test_wrong_noise_is_refused_by_name(change, words):
         sf.sway_covariance(*of, **more)
 
 
-@pytest.mark.parametrize("frequency", [[], -1.0, math.inf, [[1.0]]])
+@pytest.mark.parametrize(
+    "frequency",
+    [[], "fast", [[1.0], [1.0, 2.0]], None, -1.0, math.inf, math.nan, [[1.0]], 1.1e4, 1e100],
+)
 def test_wrong_frequencies_are_refused(frequency):
     of, more = person()
     with pytest.raises(sf.InputError, match="frequency"):
         sf.sway_spectrum(*of, **more, frequency=frequency)
+
+
+def test_at_the_ends_of_the_frequencies_a_spectrum_is_a_number():
+    of, more = person()
+    spectrum = sf.sway_spectrum(*of, **more, frequency=[0.0, 1e4])
+    assert np.isfinite(spectrum).all()
+    assert spectrum.ankle[0] > spectrum.ankle[1] > 0.0
+
+
+def test_whom_nothing_damps_has_no_spectrum_as_it_has_no_covariance():
+    stiff = sf.Stiffness(1500.0, 3000.0, 900.0)
+    of, more = person(stiffness=stiff, feedback=None, damping=(30.0, 0.0, 0.0))
+    sf.sway_spectrum(*of, **more, frequency=1.0)
+    of, more = person(stiffness=stiff, feedback=None, damping=None)
+    assert sf.is_stable(*of)
+    assert np.isinf(sf.sway_covariance(*of, **more)).all()
+    with pytest.raises(sf.InputError, match="nothing damps"):
+        sf.sway_spectrum(*of, **more, frequency=1.0)
+    rigid, more = person(stiffness=sf.Stiffness(*(3 * [math.inf])), feedback=None, damping=None)
+    assert (sf.sway_spectrum(*rigid, **more, frequency=1.0).ankle == 0.0).all()
 
 
 def test_who_falls_has_no_spectrum():

@@ -21,6 +21,9 @@ from standfast.stability.sway.integral import integrals
 from standfast.stability.sway.persons import damped, swaying_of, variances
 
 EXACT = 1e-10  # relative, of what is asked of one person
+# Hz, of a spectrum: at the longest delay, 10 s, the phase ωτ is then below the 10⁶ rad up to which
+# cosine and sine are exact.
+HIGHEST_FREQUENCY = 1e4
 
 
 class Spectrum(NamedTuple):
@@ -175,14 +178,16 @@ def sway_spectrum(
     Parameters
     ----------
     frequency
-        Hz, above 0; one or more.
+        Hz, from 0 to 10 kHz; one or more.
 
     Others are those of :func:`sway_covariance`.
 
     Raises
     ------
     InputError
-        if anything is out of range or of another shape, or the person falls.
+        if anything is out of range or of another shape, or the person falls, or nothing damps it.
+    ArithmeticError
+        if rounding leaves open whether the person stands.
 
     Examples
     --------
@@ -195,13 +200,16 @@ def sway_spectrum(
     >>> (1e6 * spectrum.cop).round(2)    # mm²/Hz
     array([363.28,   9.12])
     """
-    hertz = np.atleast_1d(np.asarray(frequency, float))
-    if hertz.ndim != 1 or not hertz.size or not (np.isfinite(hertz) & (hertz >= 0.0)).all():
-        raise InputError(f"frequency = {shortened(frequency)} is not one or more numbers of Hz")
+    hertz = _checked_frequencies(frequency)
     given = (body, stiffness, gravity, damping, feedback, noise)
-    swaying, stands, _ = checked_swaying("sway_spectrum", *given)
+    swaying, stands, ends = checked_swaying("sway_spectrum", *given)
     if not stands:
         raise InputError("the person falls, and so has no spectrum of sway")
+    if not ends and np.isfinite(np.array(stiffness.joints, float)).any():
+        raise InputError(
+            "nothing damps the person, whom noise moves ever more, and so there is no spectrum of "
+            "sway; give damping, or a derivative gain"
+        )
     omega = TURN * hertz
     rows = densities(swaying, omega, omega * swaying.delay)
     ankle, knee, hip = (rows[PAIRS.index((joint, joint))] for joint in range(3))
@@ -250,3 +258,16 @@ def _checked_noise(noise: Any) -> list[float]:
         checked_number(f"{joint}_noise", value, row=PARAMETERS[f"{joint}_noise"])
         for joint, value in zip(JOINTS, noise, strict=True)
     ]
+
+
+def _checked_frequencies(frequency: Any) -> Array:
+    try:
+        hertz = np.atleast_1d(np.asarray(frequency, float))
+    except (TypeError, ValueError):  # text, or rows of different lengths
+        hertz = np.empty(0)
+    if hertz.ndim != 1 or not hertz.size or not ((hertz >= 0) & (hertz <= HIGHEST_FREQUENCY)).all():
+        raise InputError(
+            f"frequency = {shortened(frequency)} is not one or more numbers of Hz, from 0 to "
+            f"{HIGHEST_FREQUENCY:,.0f}"
+        )
+    return hertz

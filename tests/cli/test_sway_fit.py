@@ -1,8 +1,10 @@
 """``standfast sway --fit``: what the library finds, as text and JSON, and what it asks for."""
 
 import csv
+import dataclasses
 import io
 import json
+import math
 
 import numpy as np
 import pytest
@@ -10,8 +12,12 @@ import pytest
 import standfast as sf
 from recordings import sway, table
 from standfast.cli.app import main
+from standfast.cli.person_options import GivenPerson
+from standfast.cli.sway_fit import fit_facts
 from standfast.figures import recording as recording_figures
 from standfast.figures.recording import spectra
+from standfast.fitting.result import Estimate
+from standfast.parameters import JOINTS
 from standfast.recordings import expected
 
 PERSON = ("--law", "dec-2015", "--height", "1.72", "--mass", "68")
@@ -61,6 +67,45 @@ def test_json_has_all_in_si(file, fitted, capsys):
     assert fit["measures"]["sd_ap"]["measured"] == pytest.approx(found["measures"]["sd_ap"])
     assert fit["status"] == fitted.status
     assert fit["explained"] is fitted.explained
+
+
+def test_a_fit_can_be_traced_to_its_person(file, fitted, capsys):
+    printed = said(capsys, file, *PERSON, *FIT, "--delay", "0.17", "--low-pass", "5")
+    law = sf.LAWS["dec-2015"]
+    scale = law.scale(sf.Body.from_height_mass(1.72, 68.0))
+    assert f"Its stiffness, damping and gains are × {scale:.4g}, " in printed
+    damping = f"ankle damping {scale * law.parameters['ankle_damping']:g} N·m·s/rad"
+    assert f"Fitted on 1.72 m, 68 kg, winter; gravity 9.80665 m/s²; {damping}." in printed
+    assert "The delay is held at 0.17 s. Noise of one strength is at ankle." in printed
+    assert "Recording and model pass a low-pass at 5 Hz." in printed
+    (found,) = json.loads(said(capsys, file, *PERSON, *FIT, "--json"))["recordings"]
+    fit = found["fit"]
+    assert fit["scaled_by"] == pytest.approx(scale)
+    assert (fit["person"]["height"], fit["person"]["knee_stiffness"]) == (1.72, "inf")
+    gains = fitted.person["feedback"]
+    for kind in ("proportional", "derivative"):
+        wanted = getattr(gains, kind)[0, 0]
+        assert fit["person"][f"ankle_{kind}_gain"] == pytest.approx(wanted, rel=1e-9)
+    assert fit["person"]["feedback_delay"] == law.delay
+    noise = {"ankle_noise": fitted.noise[0], "knee_noise": 0.0, "hip_noise": 0.0}
+    assert fit["noise"] == pytest.approx(noise, rel=1e-9)
+
+
+def test_the_laws_own_body_is_said(file, capsys):
+    printed = said(capsys, file, "--law", "dec-2015", "--fit", "noise")
+    assert "on its own body.\nFitted on own segments, 69 kg without the feet" in printed
+    assert "No body is given (--height and --mass), so it is the law's own." in printed
+    assert "Samples are as given, taken to have passed a plate's low-pass at 10 Hz." in printed
+
+
+def test_infinite_margins_are_written_as_of_a_person(fitted):
+    given = GivenPerson({f"{joint}_stiffness": 1.0 for joint in JOINTS}, None, 1.0)
+    endless = Estimate(math.inf, 0.1, math.inf, "s")
+    margins = {**fitted.margins, "critical_delay": endless}
+    facts = fit_facts(given, dataclasses.replace(fitted, margins=margins))
+    critical = facts["margins"]["critical_delay"]
+    assert (critical["value"], critical["low"], critical["high"]) == ("inf", 0.1, "inf")
+    json.dumps(facts, allow_nan=False)
 
 
 def test_the_table_has_estimates_margins_and_what_they_come_to(file, fitted, capsys, tmp_path):

@@ -14,6 +14,7 @@ from standfast.cli.app import main
 from standfast.parameters import LOOPS, gain_name
 from standfast.population.cohort.cohort import cohort_of
 from standfast.population.cohort.counting import Block, count_block
+from standfast.population.cohort.histograms import NO_SWAY, OPEN_SWAY
 from standfast.population.people.study import PopulationStudy
 from standfast.population.summary.answers import SWAY_ANSWERS, fits
 
@@ -144,7 +145,64 @@ def test_histograms_count_who_sways_and_who_does_not():
     assert 0 < stands < 500
     for name, counts in zip(asked, found.sway, strict=True):
         assert counts.sum() == 500, name
-        assert counts[:, -1].sum() == 500 - stands, name
+        assert counts[:, NO_SWAY].sum() == 500 - stands, name
+        assert counts[:, OPEN_SWAY].sum() == 0, name
+
+
+def test_who_is_too_near_to_falling_has_no_sway_told(tmp_path, monkeypatch, capsys):
+    """Of two persons at one delay, it is 1 - 3e-12 of the critical one of the first."""
+    monkeypatch.chdir(tmp_path)
+    bodies = [sf.Body.from_height_mass(*of_one) for of_one in ((1.7, 70.0), (1.72, 72.0))]
+    springs = sf.Stiffness(400.0, math.inf, math.inf)
+    gains = sf.Feedback((400.0, 0, 0), (200.0, 0, 0), 0.0)
+    how = {"gravity": G, "damping": (30, 0, 0)}
+    delay = (1.0 - 3e-12) * float(sf.critical_delay(bodies[0], springs, **how, feedback=gains))
+    how |= {"feedback": gains._replace(delay=delay), "noise": (1, 0, 0)}
+    with pytest.raises(ArithmeticError, match="too near to falling"):
+        sf.sway_covariance(bodies[0], springs, **how)
+    other = math.sqrt(sf.sway_covariance(bodies[1], springs, **how)[0, 0])
+    (tmp_path / "people.csv").write_text("height,mass\n1.7,70\n1.72,72\n", encoding="utf-8")
+    content = {
+        "gravity": G,
+        "population": {"people": "people.csv", "size": 40, "seed": 1},
+        "stiffness": {"ankle": law("fixed", value=400.0), "knee": RIGID, "hip": RIGID},
+        "damping": {"ankle": 30.0},
+        "feedback": {
+            "delay": law("fixed", value=delay),
+            "proportional": {"ankle": law("fixed", value=400.0)},
+            "derivative": {"ankle": law("fixed", value=200.0)},
+        },
+        "noise": {"ankle": 1.0},
+        "output": {"persons": True, "quantities": ["ankle_sway", "cop_frequency"]},
+    }
+    population = sf.simulate(PopulationStudy.from_dict(content, folder=tmp_path), "two.h5")
+    near = population.array("person_height") < 1.71
+    left_open = int(near.sum())
+    assert 0 < left_open < 40
+    assert population.array("person_stable").all()
+    assert population.summary["left_open_by_rounding"] == left_open
+    for name in ("ankle_sway", "cop_frequency"):
+        values = population.array(f"person_{name}")
+        assert np.isnan(values[near]).all()
+        told = population.summary["sway"][name]["all"]
+        assert (told["persons"], told["left_open"]) == (40, left_open)
+        assert told["swaying"] == 40 - left_open
+        wanted = other if name == "ankle_sway" else values[~near][0]
+        for of_share in told["quantiles"].values():  # everybody who is told is the other person
+            assert of_share["value"] == pytest.approx(wanted, rel=OF_BINS)
+    assert main(["info", "two.h5"]) == 0
+    assert f"of {left_open} persons more it is open" in capsys.readouterr().out
+    nerves = {key: content[key] for key in ("damping", "noise")}
+    loops = {"proportional": {"ankle": 400.0}, "derivative": {"ankle": 200.0}}
+    assessed = sf.assess(
+        "people.csv",
+        gravity=G,
+        otherwise={"ankle": 400.0, "knee": math.inf, "hip": math.inf},
+        nerves={**nerves, "feedback": {"delay": delay, **loops}},
+    )
+    assert assessed.columns["stands_with_feedback"].tolist() == ["yes", "yes"]
+    for name in ("ankle_sway_rad", "cop_sway_m", "cop_velocity_m_s", "cop_frequency_Hz"):
+        assert np.isnan(assessed.columns[name]).tolist() == [True, False], name
 
 
 TOLD = ("cop_sway", "cop_frequency")

@@ -12,6 +12,7 @@ from standfast.recordings.measures import cop_spectrum, mean_and_median
 RATE, SECONDS, DRAWN = 50.0, 20.0, 600
 # Of 600 recordings a mean scatters by 1 to 3 %; the smallest are 4 standard errors of each.
 OF_DRAWN = {"sd": 0.03, "velocity": 0.01, "spectrum": 0.17, "mean": 0.02}
+OF_HUM = 1e-3  # what of a hum at 20 Hz is left behind 5 Hz, and at the ends of a recording
 EXACT = 1e-8  # of sums of the same numbers in another order, and the sum over frequencies
 
 
@@ -116,6 +117,25 @@ def test_noise_that_is_not_given_makes_the_sd_the_recordings():
     again = sf.expected_sway(here, **law.person, noise=found.noise)
     for name in MODELLED:
         assert getattr(again, name) == pytest.approx(getattr(found, name), rel=EXACT)
+
+
+def test_what_a_low_pass_takes_from_the_recording_needs_no_noise():
+    clean, law, cut = recording(), sf.LAWS["dec-2015"], 5.0
+    time = np.arange(clean.ap.size) / RATE
+    # 20 Hz of as much power as the sway itself: behind 5 Hz a 256th of its size is left
+    hum = np.sqrt(2.0) * clean.ap.std() * np.sin(2.0 * np.pi * 20.0 * time)
+    noisy = sf.Recording(clean.ap + hum, clean.ml, RATE)
+    of_clean, of_noisy, raw = (
+        sf.expected_sway(each, **law.person, low_pass=low_pass)
+        for each, low_pass in ((clean, cut), (noisy, cut), (noisy, None))
+    )
+    for each, low_pass in ((clean, cut), (noisy, cut)):
+        found = sf.expected_sway(each, **law.person, low_pass=low_pass).sd_ap
+        measured = sf.sway_measures(each, low_pass=low_pass).sd_ap
+        assert found == pytest.approx(measured, rel=EXACT)
+    assert of_noisy.noise[0] == pytest.approx(of_clean.noise[0], rel=OF_HUM)
+    # able to fail: of samples as they are the hum counts as sway
+    assert raw.noise[0] > 1.3 * of_clean.noise[0]
 
 
 def test_a_low_pass_is_that_of_the_recording():

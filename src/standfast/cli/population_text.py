@@ -79,11 +79,13 @@ def _print_sway(sway: Mapping[str, Any]) -> None:
     """Print median and the middle 95 % of each quantity of sway, of all and by class."""
     everybody = next(iter(sway.values()))["all"]
     persons, swaying = everybody["persons"], everybody["swaying"]
-    none = counted(persons - swaying, "person")
+    left_open = everybody["left_open"]
+    none = counted(persons - swaying - left_open, "person")
+    open_of = f"; of {counted(left_open, 'person')} more it is open" if left_open else ""
     print(
         f"\nsway under noise: median [2.5 %, 97.5 %] of the {swaying:,} of "
         f"{counted(persons, 'person')} who stand and are damped\n  (the other {none} have none, "
-        "and are not in it)"
+        f"and are not in it{open_of})"
     )
     heads = [
         f"{name.replace('_', ' ')}, {SWAY_PRINTED[of['unit']][0]}" for name, of in sway.items()

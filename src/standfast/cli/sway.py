@@ -18,6 +18,7 @@ from standfast.cli.sway_fit import (
     fit_row,
     fits_of,
     fitted_spectra,
+    person_to_fit,
     print_fits,
 )
 from standfast.cli.sway_model import (
@@ -93,7 +94,8 @@ def _sway(options: argparse.Namespace) -> None:
         found = [sway_measures(each, low_pass=low_pass) for each in recordings]
     except InputError as error:
         raise InputError(_of_options(str(error))) from None
-    fits = fits_of(options, recordings, low_pass)
+    fitted = person_to_fit(options)
+    fits = [] if fitted is None else fits_of(options, fitted, recordings, low_pass)
     model = None if fits else model_beside(options, recordings, low_pass)
     written = [*figures]
     if options.csv:
@@ -115,14 +117,15 @@ def _sway(options: argparse.Namespace) -> None:
             draw_recording(made_room(path, options.output), recording, measures, low_pass, beside)
     if options.json:
         facts = _facts(recordings, found, low_pass, model)
-        for each, fit in zip(facts["recordings"], fits, strict=False):  # none, or of all
-            each["fit"] = fit_facts(fit)
+        if fitted is not None:
+            for each, fit in zip(facts["recordings"], fits, strict=True):
+                each["fit"] = fit_facts(fitted, fit)
         print(json.dumps(facts, ensure_ascii=False, allow_nan=False))
         return
     remarks = [[_of_options(each) for each in recording.remarks] for recording in recordings]
     print_measures(recordings, found, remarks, low_pass, model)
-    if fits:
-        print_fits(recordings, fits)
+    if fitted is not None:
+        print_fits(fitted, recordings, fits, low_pass)
     if written:
         print(f"\nWritten: {', '.join(map(str, written))}")
 

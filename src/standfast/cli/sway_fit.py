@@ -5,9 +5,11 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from standfast.cli.person_options import person_given
+from standfast.cli.person_options import GivenPerson, law_in_words, person_given
+from standfast.cli.person_text import person_in_words
 from standfast.errors import InputError
 from standfast.files import column_name
+from standfast.parameters import GAINS, JOINTS, LOOPS, NOISES, gain_name
 
 if TYPE_CHECKING:
     from standfast.fitting.result import Estimate, SwayFit
@@ -31,10 +33,8 @@ def add_fit_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--fit", nargs="?", const=ALL, metavar="PARAMETERS", help=words)
 
 
-def fits_of(
-    options: argparse.Namespace, recordings: "Sequence[Recording]", low_pass: float | None
-) -> "list[SwayFit]":
-    """Return a fit of each recording; none if none is asked for.
+def person_to_fit(options: argparse.Namespace) -> GivenPerson | None:
+    """Return whom a law is fitted on, with the law's gains; None if no fit is asked for.
 
     Raises
     ------
@@ -42,17 +42,32 @@ def fits_of(
         if the person or the law is not whole, or options say what the fit is to find.
     """
     if options.fit is None:
-        return []
-    from standfast.fitting.fit import fit_sway
-    from standfast.quantities.person_facts import person_of
-
+        return None
     if options.law is None:
         raise InputError("--fit needs the law whose noise and gains it finds: --law dec-2015")
     for name in OF_LAW:
         if getattr(options, name) not in (None, []):
             raise InputError(f"--{name} beside --fit: springs and damping are the law's, and noise "
                              "and gains are found")  # fmt: skip
-    given = person_given(options, options.start)
+    return person_given(options, options.start)
+
+
+def fits_of(
+    options: argparse.Namespace,
+    given: GivenPerson,
+    recordings: "Sequence[Recording]",
+    low_pass: float | None,
+) -> "list[SwayFit]":
+    """Return a fit of each recording.
+
+    Raises
+    ------
+    InputError
+        if the fit is refused.
+    """
+    from standfast.fitting.fit import fit_sway
+    from standfast.quantities.person_facts import person_of
+
     person, free = person_of(given.parameters), [each.strip() for each in options.fit.split(",")]
     delay = None if options.delay is None else float(given.parameters["feedback_delay"])
     found = []
@@ -74,8 +89,14 @@ def fits_of(
     return found
 
 
-def print_fits(recordings: "Sequence[Recording]", fits: "Sequence[SwayFit]") -> None:
-    """Print each fit: parameters, margins, measures beside the recording's, and the status."""
+def print_fits(
+    given: GivenPerson,
+    recordings: "Sequence[Recording]",
+    fits: "Sequence[SwayFit]",
+    low_pass: float | None,
+) -> None:
+    """Print on whom, and each fit: parameters, margins, measures and the recording's, status."""
+    print(f"\n{_on_whom(given, fits[0], low_pass)}")
     for recording, fit in zip(recordings, fits, strict=True):
         of = f" to {recording.name}" if len(recordings) > 1 else ""
         print(f"\nFit of {fit.law}{of}, with 95 % intervals\n")
@@ -89,10 +110,53 @@ def print_fits(recordings: "Sequence[Recording]", fits: "Sequence[SwayFit]") -> 
         print(f"\n  {fit.status}")
 
 
-def fit_facts(fit: "SwayFit") -> dict[str, Any]:
-    """Return what JSON says of a fit, in SI; infinite numbers as None."""
+def _on_whom(given: GivenPerson, fit: "SwayFit", low_pass: float | None) -> str:
+    """Say on which body the law was fitted, how it was scaled, and what was held."""
+    known = given.parameters
+    # gains and delay are the fit's or said apart
+    body = {name: each for name, each in known.items() if name not in (*GAINS, "feedback_delay")}
+    lines = [law_in_words(given), f"Fitted on {person_in_words(body)}."]
+    if given.factor == 1.0 and "height" not in known:
+        lines.append("No body is given (--height and --mass), so it is the law's own.")
+    held = f"The delay is held at {fit.person['feedback'].delay:g} s. "
+    strength = "of one strength" if "noise" in fit.parameters else "of 1 N·m·√s"
+    cut = (
+        "Samples are as given, taken to have passed a plate's low-pass at 10 Hz."
+        if low_pass is None
+        else f"Recording and model pass a low-pass at {low_pass:g} Hz."
+    )
+    lines.append(
+        f"{'' if 'feedback_delay' in fit.parameters else held}"
+        f"Noise {strength} is at {' and '.join(_turning(known))}.\n{cut}"
+    )
+    return "\n".join(lines)
+
+
+def _turning(known: dict[str, Any]) -> list[str]:
+    return [joint for joint in JOINTS if math.isfinite(known[f"{joint}_stiffness"])]
+
+
+def fit_facts(given: GivenPerson, fit: "SwayFit") -> dict[str, Any]:
+    """Return what JSON says of a fit, in SI; infinite numbers as ``"inf"``, unknown ones as None.
+
+    ``person`` has all parameters of the person fitted, and ``noise`` that of the joints that turn.
+    """
+    from standfast.study.canonical import json_value
+
+    found, turning = fit.person["feedback"], _turning(given.parameters)
+    gains = {
+        gain_name(kind, *loop): float(each)
+        for kind in ("proportional", "derivative")
+        for loop, each in zip(LOOPS, getattr(found, kind).ravel(), strict=True)
+        if each
+    }
+    held = {name: each for name, each in given.parameters.items() if name not in GAINS}
+    sigma = zip(JOINTS, NOISES, fit.noise, strict=True)
     return {
         "law": fit.law,
+        "scaled_by": given.factor,
+        "person": json_value({**held, **gains, "feedback_delay": float(found.delay)}),
+        "noise": {name: each if joint in turning else 0.0 for joint, name, each in sigma},
         "parameters": {name: _facts(each) for name, each in fit.parameters.items()},
         "margins": {name: _facts(each) for name, each in fit.margins.items()},
         "measures": {name: each._asdict() for name, each in fit.measures.items()},
@@ -153,10 +217,16 @@ def fitted_spectra(
 def _facts(estimate: "Estimate") -> dict[str, Any]:
     numbers = {name: getattr(estimate, name) for name in ("value", "low", "high")}
     return {
-        **{name: number if math.isfinite(number) else None for name, number in numbers.items()},
+        **{name: _told(number) for name, number in numbers.items()},
         "unit": estimate.unit,
         "open": list(estimate.open),
     }
+
+
+def _told(number: float) -> float | str | None:
+    if math.isnan(number):
+        return None
+    return number if math.isfinite(number) else str(number)
 
 
 def _in_words(name: str) -> str:

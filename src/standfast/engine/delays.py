@@ -59,20 +59,22 @@ class Delays:
 
     def __call__(self, tile: Tile) -> tuple[np.ndarray, ...]:
         """Compute one tile."""
-        chunk, delays = tile.chunk, self.fixed_delay
+        chunk, delays, inside = tile.chunk, self.fixed_delay, 1
         sides = self.group.chunk_shape
         if self.place is not None:
             length = sides[self.place]
             values = self.study.axes[DELAY]
-            delays = values[along_axis(length * chunk[self.place], length, len(values))]
+            start = length * chunk[self.place]
+            delays = values[along_axis(start, length, len(values))]
+            inside = min(length, len(values) - start)
             chunk = chunk[: self.place] + chunk[self.place + 1 :]
             sides = sides[: self.place] + sides[self.place + 1 :]
-        numbers, rigid, table = self.tables(chunk)
+        *_, table = self.tables(chunk)
         asked = FedBack(
             table,
             delays,
-            lambda: self._roots(numbers, rigid, delays),
-            lambda: self._variances(chunk, delays),
+            lambda: self._roots(chunk, delays, inside),
+            lambda: self._variances(chunk, delays, inside),
         )
         found = []
         for name, answer in zip(self.group.quantities, self.answers, strict=True):
@@ -88,7 +90,7 @@ class Delays:
 
     def _table(self, chunk: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, Crossings]:
         """Return matrices, rigid joints and crossings on a chunk of the other axes."""
-        sides, starts, counts, at = self._places(chunk)
+        sides, *_, at = self._places(chunk)
         entries = _matrices(self.others)(self.inputs.fixed, self.inputs.pieces(at))
         numbers = np.stack([np.asarray(entry).ravel() for entry in entries]).reshape(5, 3, 3, -1)
         rigid = np.isinf(numbers[2].diagonal()).T
@@ -100,12 +102,7 @@ class Delays:
                 for name, i in zip(self.others, place, strict=True)
             }
             table.settle(int(person), stands=_stands_exactly({**self.inputs.plainly, **varying}))
-        inside = [
-            min(side, count - start)
-            for side, count, start in zip(sides, counts, starts, strict=True)
-        ]
-        within = table.uncertain.reshape(sides)[tuple(slice(length) for length in inside)]
-        self._count(int(within.sum()))
+        self._count(chunk, table.uncertain[:, None])
         return numbers, rigid, table
 
     def _places(
@@ -122,8 +119,13 @@ class Delays:
         at = dict(zip(self.others, map(along_axis, starts, sides, counts), strict=True))
         return sides, starts, counts, at
 
-    def _variances(self, chunk: tuple[int, ...], delays: np.ndarray) -> dict[int, np.ndarray]:
-        """Return the integrals of the rows that are asked, of each person at each delay."""
+    def _variances(
+        self, chunk: tuple[int, ...], delays: np.ndarray, inside: int
+    ) -> dict[int, np.ndarray]:
+        """Return the integrals of the rows that are asked, of each person at each delay.
+
+        They are NaN where they could not be integrated that accurately.
+        """
         numbers, rigid, table = self.tables(chunk)
         *_, at = self._places(chunk)
         moved = _moved(self.others)(self.inputs.fixed, self.inputs.pieces(at))
@@ -141,12 +143,14 @@ class Delays:
         found, sure = variances(
             self.rows, swaying, settles, accuracy=OF_GRIDS, apply=self.apply
         )  # fmt: skip
-        self._count(int((~sure).sum()))
+        # a point is left open once, however many of its rows are
+        self._count(chunk, (~sure).any(axis=0).reshape(persons, -1)[:, :inside])
         return dict(zip(self.rows, found.reshape(-1, persons, delays.size), strict=True))
 
     def _roots(
-        self, numbers: np.ndarray, rigid: np.ndarray, delays: np.ndarray
+        self, chunk: tuple[int, ...], delays: np.ndarray, inside: int
     ) -> tuple[np.ndarray, np.ndarray]:
+        numbers, rigid, _ = self.tables(chunk)
         persons = rigid.shape[1]
         root, proven = all_rightmost(
             np.repeat(numbers, delays.size, axis=-1),
@@ -154,12 +158,20 @@ class Delays:
             np.tile(delays, persons),
             apply=self.apply,
         )
-        self._count(int((~proven).sum()))
-        return root.reshape(persons, -1), proven.reshape(persons, -1)
+        proven = proven.reshape(persons, -1)
+        self._count(chunk, ~proven[:, :inside])
+        return root.reshape(persons, -1), proven
 
-    def _count(self, left_open: int) -> None:
+    def _count(self, chunk: tuple[int, ...], left_open: np.ndarray) -> None:
+        """Count what is left open of (persons, delays), but not beyond the ends of axes."""
+        sides, starts, counts, _ = self._places(chunk)
+        inside = tuple(
+            slice(min(side, count - start))
+            for side, count, start in zip(sides, counts, starts, strict=True)
+        )
+        number = int(left_open.reshape(*sides, -1)[inside].sum())
         with self._lock:
-            self.left_open += left_open
+            self.left_open += number
 
 
 @lru_cache(maxsize=64)

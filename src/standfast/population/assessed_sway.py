@@ -21,10 +21,10 @@ def columns_of_sway(
     if not noisy.size:
         return {}
     found = [swayed(each.numbers, each.stands, SWAY) for each in pieces]
-    sure = np.concatenate([each for _, each in found]) & known & noisy.all(axis=0)
+    told = known & noisy.all(axis=0)
     return {
         column_name(name, QUANTITIES[name].unit): np.where(
-            sure, np.concatenate([values[name] for values, _ in found]), math.nan
+            told, np.concatenate([values[name] for values, _ in found]), math.nan
         )
         for name in SWAY
     }

@@ -24,7 +24,13 @@ from standfast.mechanics.feedback import Feedback, checked_feedback
 from standfast.mechanics.joints import Stiffness
 from standfast.numerics.arrays import TURN, Array, Scalar
 from standfast.parameters import JOINTS, STANDARD_GRAVITY
-from standfast.recordings.measures import MEASURES, Measure, checked_low_pass, mean_and_median
+from standfast.recordings.measures import (
+    MEASURES,
+    Measure,
+    checked_low_pass,
+    filtered,
+    mean_and_median,
+)
 from standfast.recordings.powers import (
     OF_SIZES,
     integral,
@@ -115,8 +121,8 @@ def expected_sway(
         as of :func:`standfast.sway_covariance`.
     noise
         σ at ankle, knee and hip (N·m·√s). Left out, it is of one strength at all joints that turn,
-        with which the SD of the centre of pressure is the recording's: every SD grows in proportion
-        to it. Velocity over SD and frequencies do not depend on the strength.
+        with which the SD of the centre of pressure behind ``low_pass`` is the recording's: every SD
+        grows in proportion to it. Velocity over SD and frequencies do not depend on the strength.
     low_pass
         Hz, as of :func:`standfast.sway_measures`; left out, the model's own of 10 Hz, with which
         recordings of force plates are published.
@@ -150,15 +156,22 @@ def expected_sway(
     if not density["cop"].any():
         raise InputError("no joint that turns has noise, so nothing sways")
     strengths = np.sqrt(swaying.noise[:, 0]) if noise is None else noise
-    return _shown(hertz, density, recording, strengths, given=noise is not None)
+    return _shown(hertz, density, recording, strengths, low_pass=low_pass, given=noise is not None)
 
 
 def _shown(
-    hertz: Array, density: dict[str, Array], recording: Recording, strengths: Any, *, given: bool
+    hertz: Array,
+    density: dict[str, Array],
+    recording: Recording,
+    strengths: Any,
+    *,
+    low_pass: float | None,
+    given: bool,
 ) -> ExpectedSway:
     """Return the measures by densities at even frequencies.
 
-    Unless noise is given, it is as much stronger as makes the SD the recording's.
+    Unless noise is given, it is as much stronger as makes the SD that of the recording, which goes
+    through the low-pass too, as the model has.
     """
     count, rate, step = recording.ap.size, recording.rate, float(hertz[1])
     about_mean, of_steps = variance_weight(hertz, count, rate), steps_weight(hertz, rate)
@@ -167,7 +180,7 @@ def _shown(
     covariance = _autocovariance(density["cop"], step, rate)[: window_of(count, rate)]
     bins, spectrum = welch_spectrum(covariance, rate)
     mean, median = mean_and_median(bins, spectrum)
-    factor = 1.0 if given else float(recording.ap.std(ddof=1)) / size["cop"]
+    factor = 1.0 if given else float(filtered(recording, low_pass)[0].std(ddof=1)) / size["cop"]
     ankle, knee, hip = (factor * float(each) for each in strengths)
     return ExpectedSway(
         noise=(ankle, knee, hip),

@@ -12,6 +12,9 @@ from standfast.population.cohort.cohort import Cohort
 from standfast.population.cohort.histograms import (
     EXTREMES,
     EXTREMES_FED_BACK,
+    NO_SWAY,
+    OPEN_SWAY,
+    SWAY_BINS,
     SWAY_BINS_PER_UNIT,
     VALUE_BINS,
     bin_of,
@@ -139,19 +142,20 @@ def _count_fed_back(
     if sways:
         of_sway, sure = swayed(found.numbers, found.stands, study.sway)
         counts["sway"] = np.array(
-            [_counted_sway(each, stratum, cohort) for each in of_sway.values()]
+            [_counted_sway(each, sure, stratum, cohort) for each in of_sway.values()]
         )
         counts["left_open"] += (~sure & ~found.uncertain).sum()
     return Counts(counts, _kept(cohort, variates, found, of_sway) if study.keeps_persons else b"")
 
 
-def _counted_sway(values: np.ndarray, stratum: np.ndarray, cohort: Cohort) -> np.ndarray:
-    """Count a quantity of sway by stratum, (strata, VALUE_BINS + 3): last who has none."""
+def _counted_sway(
+    values: np.ndarray, sure: np.ndarray, stratum: np.ndarray, cohort: Cohort
+) -> np.ndarray:
+    """Count a quantity of sway by stratum, (strata, SWAY_BINS)."""
     there, strata = np.isfinite(values), len(cohort.strata)
-    bins = np.where(
-        there, bin_of(SWAY_BINS_PER_UNIT * np.where(there, values, 1.0)), VALUE_BINS + 2
-    )
-    found = np.bincount((VALUE_BINS + 3) * stratum + bins, minlength=(VALUE_BINS + 3) * strata)
+    bins = np.where(there, bin_of(SWAY_BINS_PER_UNIT * np.where(there, values, 1.0)), NO_SWAY)
+    bins = np.where(np.isnan(values) & ~sure, OPEN_SWAY, bins)
+    found = np.bincount(SWAY_BINS * stratum + bins, minlength=SWAY_BINS * strata)
     return found.reshape(strata, -1)
 
 

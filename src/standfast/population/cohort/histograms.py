@@ -22,6 +22,8 @@ _SHIFT = 52 - BITS_PER_OCTAVE
 _FIRST = (1023 + LOWEST_OCTAVE) << BITS_PER_OCTAVE
 # Of a metre, rad, m/s or Hz: bins begin at 0.0002 of these. A power of two, so nothing is rounded.
 SWAY_BINS_PER_UNIT = 1024.0
+# Beside the bins of values: who has no sway, and of whom it is open.
+NO_SWAY, OPEN_SWAY, SWAY_BINS = VALUE_BINS + 2, VALUE_BINS + 3, VALUE_BINS + 4
 # What is told as one number where it is the same in everybody: of springs, and with feedback.
 EXTREMES = (
     "safety_factor",
@@ -138,7 +140,8 @@ class Histograms:
     ``extremes`` holds the least of each of EXTREMES, and of each with the other sign.
 
     ``sway`` counts each quantity of sway that is asked in bins of SWAY_BINS_PER_UNIT times its
-    number in SI; the last bin is of who has none, because they fall or nothing damps them.
+    number in SI; NO_SWAY is of who has none, because they fall or nothing damps them, OPEN_SWAY of
+    who is too near to falling to say.
     """
 
     classes: np.ndarray  # (strata, heights + 2, BMIs + 2, 2)
@@ -153,7 +156,7 @@ class Histograms:
     left_open: np.ndarray  # (1,)
     settled: np.ndarray  # (1,)
     extremes: np.ndarray  # (2, EXTREMES or EXTREMES_FED_BACK)
-    sway: np.ndarray  # (quantities, strata, VALUE_BINS + 3)
+    sway: np.ndarray  # (quantities, strata, SWAY_BINS)
 
     @classmethod
     def empty(cls, strata: int, rows: int, fed_back: bool, sways: int) -> "Histograms":
@@ -175,7 +178,7 @@ class Histograms:
             counts(1, asked=fed_back),
             counts(1),
             np.full((2, len(EXTREMES_FED_BACK if fed_back else EXTREMES)), np.inf),
-            counts(sways, strata, VALUE_BINS + 3, asked=sways > 0),
+            counts(sways, strata, SWAY_BINS, asked=sways > 0),
         )
 
     def add(self, parts: Mapping[str, np.ndarray]) -> None:

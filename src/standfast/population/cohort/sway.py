@@ -17,10 +17,11 @@ ACCURACY = 1e-6  # of variances, relative: bins are 4e-3 wide, and what is kept 
 def swayed(
     found: Mapping[str, np.ndarray], stands: np.ndarray, names: Sequence[str]
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Return quantities of sway by their names (SI), and whether each person's are that accurate.
+    """Return quantities of sway by their names (SI), and whether each person's are all accurate.
 
     ``found`` has the numbers of :func:`.entries_of` of persons with noise, (persons,) each. Who
-    does not stand, or is not damped, has deviations of ``inf`` and a frequency of NaN.
+    does not stand, or is not damped, has deviations of ``inf`` and a frequency of NaN; NaN too is
+    what is not that accurate.
     """
     size = stands.size
     apply = in_batches if size > FEW else directly

@@ -82,8 +82,14 @@ FED_BACK_ANSWERS = {
     "delay_borne": {"all": DELAYS, "sex": {str: DELAYS}, "age": {str: DELAYS}, str: {str: DELAYS}},
     "drivers": {"unstable": DRIVERS, "delay_margin": DRIVERS},
 }
-# Of who has a sway: how many they are of all whose sway was asked, and quantiles in SI.
-OF_SWAY = {"persons": int, "swaying": int, "quantiles": (None, {str: QUANTILE})}
+# Of who has a sway: how many they are of all whose sway was asked, of how many it is open, and
+# quantiles in SI.
+OF_SWAY = {
+    "persons": int,
+    "swaying": int,
+    "left_open": int,
+    "quantiles": (None, {str: QUANTILE}),
+}
 SWAY_ANSWERS = {
     **FED_BACK_ANSWERS,
     "sway": {

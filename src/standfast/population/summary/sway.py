@@ -1,6 +1,7 @@
 """How much the persons of a population sway: quantiles of all and by sex and age, in SI.
 
-They are of those who stand and whom something damps; who has no sway is counted beside them.
+They are of those who stand and whom something damps; who has no sway is counted beside them, and so
+is who is too near to falling to say how much.
 """
 
 from collections.abc import Mapping, Sequence
@@ -9,7 +10,13 @@ from typing import Any
 import numpy as np
 
 from standfast.population.cohort.cohort import Cohort
-from standfast.population.cohort.histograms import SWAY_BINS_PER_UNIT, Histograms, bin_edges
+from standfast.population.cohort.histograms import (
+    NO_SWAY,
+    OPEN_SWAY,
+    SWAY_BINS_PER_UNIT,
+    Histograms,
+    bin_edges,
+)
 from standfast.population.people.study import PopulationStudy
 from standfast.population.people.words import SEXES
 from standfast.population.summary.arrays import ages_of
@@ -33,7 +40,7 @@ class SwayFound:
         self, name: str, sex: str | None = None, age: str | None = None
     ) -> Distribution:
         """Return the distribution of a quantity, of some sex and age class."""
-        counts = self._counts(name, sex, age)[:, :-1]
+        counts = self._counts(name, sex, age)[:, :NO_SWAY]
         if (counts.sum(axis=1) == 0).any():  # of a class that not every replicate has
             counts = counts.sum(axis=0, keepdims=True)
         return Distribution(bin_edges() / SWAY_BINS_PER_UNIT, counts)
@@ -59,9 +66,11 @@ class SwayFound:
         if distribution.size:
             each = {f"{share:g}": distribution.quantile(share) for share in SHARES_TOLD}
             quantiles = {share: one.told("value", "interval") for share, one in each.items()}
+        counts = self._counts(name, sex, age)
         return {
-            "persons": int(self._counts(name, sex, age).sum()),
+            "persons": int(counts.sum()),
             "swaying": distribution.size,
+            "left_open": int(counts[:, OPEN_SWAY].sum()),
             "quantiles": quantiles,
         }
 

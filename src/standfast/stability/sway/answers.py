@@ -32,7 +32,7 @@ def deviation(row: int) -> Callable[[FedBack], np.ndarray]:
 def mean_frequency(asked: FedBack) -> np.ndarray:
     """Return ∫ f S df / ∫ S df of the centre of pressure (Hz).
 
-    It is NaN of who falls, and where nothing sways.
+    It is NaN of who falls, where nothing sways, and too near to falling to say.
     """
     return frequency_of(asked.variances[COP], asked.variances[COP_TIMES_OMEGA])
 

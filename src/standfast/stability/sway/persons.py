@@ -90,9 +90,9 @@ def variances(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the integrals of rows of densities, and whether each is that accurate.
 
-    Both are (rows, persons); rows that are asked together cost little more than one. They are
+    Both are (rows, persons); rows that are asked together cost little more than one. Integrals are
     infinite of whom motion does not ``settle``, because they fall or are not :func:`damped`, if
-    noise moves anything of them.
+    noise moves anything of them; NaN where they are not that accurate, too near to falling.
     """
     moved = (swaying.noise > 0.0).any(axis=0)
     found = np.tile(np.where(moved, np.inf, 0.0), (len(rows), 1))
@@ -101,4 +101,4 @@ def variances(
     if who.size:
         some = Swaying(*(each.take(who, axis=-1) for each in swaying))
         found[:, who], sure[:, who] = integrals(rows, some, accuracy=accuracy, apply=apply)
-    return found, sure
+    return np.where(sure, found, np.nan), sure

@@ -33,7 +33,7 @@ from standfast.fitting.measured import POSSIBLE, Measured, checked_measures
 from standfast.fitting.moments import FREQUENCY
 from standfast.fitting.region import CONFIDENCE, Region, region_of
 from standfast.fitting.result import Estimate, Fitted, SwayFit
-from standfast.fitting.search import best_point, coarse_grid
+from standfast.fitting.search import coarse_grid, hollows
 from standfast.fitting.words import status_of
 from standfast.mechanics.feedback import Feedback
 from standfast.mechanics.joints import checked_body
@@ -116,10 +116,10 @@ def _result(likelihood: Likelihood, given: Measured) -> SwayFit:
     points, names = likelihood.points, likelihood.target.measures
     family = points.family
     coarse = coarse_grid(likelihood)
-    best = best_point(likelihood, coarse)
-    if best is None:
+    minima = hollows(likelihood, coarse)
+    if not minima:
         raise InputError(f"nobody stands by {family.law.name} on this body, whatever its gains")
-    region = region_of(likelihood, coarse, best)
+    region, best = region_of(likelihood, coarse, minima)
     found = likelihood.moments(best)
     if found is None:
         raise ArithmeticError("the most likely person does not stand")
@@ -189,16 +189,19 @@ def _estimates(
         values, margins = points.values(point), points.margins(point)
         return np.array([*(values[name] for name in names), *margins.values()])
 
-    ends = dict(zip((*names, *MARGINS), region.intervals(numbers, len(names) + 4), strict=True))
-    reach = {name: (bool(a), bool(b)) for name, (a, b) in zip(names, region.open, strict=True)}
+    intervals, at_edges = region.intervals(numbers, len(names) + len(MARGINS))
+    ends = dict(zip((*names, *MARGINS), intervals, strict=True))
+    # of a coordinate only its own limit is an end that is open
+    reach = dict(zip((*names, *MARGINS), [*region.open, *at_edges[len(names) :]], strict=True))
     if NOISE in free:
-        ends[NOISE] = np.exp(region.noise())
+        of_noise, reach[NOISE] = region.noise()
+        ends[NOISE] = np.exp(of_noise)
     values, margins = points.values(best), points.margins(best)
 
     def of(name: str, value: float) -> Estimate:
         low, high = (float(end) for end in ends[name])
-        ways = reach.get(name, (False, False))
-        return Estimate(value, min(low, value), max(high, value), UNITS[name], ways)
+        below, above = (bool(way) for way in reach[name])
+        return Estimate(value, min(low, value), max(high, value), UNITS[name], (below, above))
 
     return (
         {name: of(name, values[name]) for name in free},

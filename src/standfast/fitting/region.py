@@ -30,6 +30,7 @@ ROUNDS, GROWTH, MOST = 5, 1.4, 5000
 # How much higher than inside a point of a coarse grid may be, and the region still be near.
 SLACK = 12.0
 BETTER = 1e-6  # of −2 log L; a solver leaves less
+SAME = 1e-3  # of a coordinate: two starts have ended at one minimum
 
 
 class Region(NamedTuple):
@@ -122,7 +123,11 @@ def region_of(
     while True:
         minima = sorted(minima, key=likelihood.size)
         least = likelihood.size(minima[0])
-        minima = [point for point in minima if likelihood.size(point) - least <= RISE]
+        within = [point for point in minima if likelihood.size(point) - least <= RISE]
+        minima = []
+        for point in within:
+            if all(abs(point - other).max() > SAME for other in minima):
+                minima.append(point)
         found = _laid(likelihood, coarse, minima)
         if isinstance(found, Region):
             return found, minima[0]
@@ -130,9 +135,7 @@ def region_of(
         minima = [min(better, found, key=likelihood.size), *minima]
 
 
-def _laid(
-    likelihood: Likelihood, coarse: Grid, minima: list[np.ndarray]
-) -> Region | np.ndarray:
+def _laid(likelihood: Likelihood, coarse: Grid, minima: list[np.ndarray]) -> Region | np.ndarray:
     """Return the region; or a point that is more likely than all minima."""
     free = likelihood.points.family.free
     keep = [k for k, name in enumerate(free) if name != NOISE]
@@ -168,7 +171,7 @@ def _edges(likelihood: Likelihood, grid: Grid, keep: list[int]) -> tuple[np.ndar
         for end in (0, 1):
             at = np.isclose(values, limits[end, axis])
             reaches[axis, end] = at.reshape([-1 if k == axis else 1 for k in range(len(keep))])
-    edge = reaches.any(axis=(0, 1)) if len(keep) else np.zeros(shape, bool)
+    edge = np.array(reaches.any(axis=(0, 1)), bool).reshape(shape)
     for place, there in _neighbours(np.isfinite(grid.size)):
         edge[place] |= bool(np.isinf(grid.size[there]))
     return edge, reaches
@@ -185,9 +188,7 @@ def _neighbours(mask: np.ndarray) -> Iterator[tuple[tuple[int, ...], tuple[int, 
                     yield tuple(map(int, place)), tuple(map(int, other))
 
 
-def _closer(
-    grid: Grid, near: np.ndarray, minima: np.ndarray, count: int
-) -> tuple[np.ndarray, ...]:
+def _closer(grid: Grid, near: np.ndarray, minima: np.ndarray, count: int) -> tuple[np.ndarray, ...]:
     """Return axes of a box around what is near and the minima, one step of the grid wider."""
     axes = []
     for axis, values in enumerate(grid.axes):

@@ -34,7 +34,7 @@ NUMBERS = {
     "critical_delay": ("critical delay (s)", 1.0),
     "delay_margin": ("delay margin (s)", 1.0),
     "decay_rate": ("decay rate (1/s)", 1.0),
-    "safety_factor": ("safety factor", 1.0),
+    "static_gain_margin": ("static gain margin", 1.0),
 }
 SCALED = ("noise", "proportional_gain", "derivative_gain")
 NORMAL = 1.96  # standard errors in half of an interval of 95 %
@@ -70,7 +70,7 @@ def fitted(job: tuple[str, str, float, float, np.ndarray]) -> dict[str, Any]:
     return {
         "law": law,
         "subject": subject,
-        "explained": fit.explained,
+        "reached": fit.explained is not False,
         "open": fit.parameters["proportional_gain"].open[0],
         **{
             name: np.array(found[name][:3]) / (load if name in SCALED else 1.0) * factor
@@ -94,18 +94,18 @@ def text(rows: list[dict[str, Any]]) -> str:
         "the law's. A law explains a trial if a person who follows it is further off in 5 % of "
         "recordings or more; three numbers fitted to three measures can all but always give them, "
         "so that this says little for the law.\n",
-        "| law | delay (s) | explained | proportional gain open below |",
+        "| law | delay (s) | measures reached | proportional gain open below |",
         "|---|---|---|---|",
     ]
     for law in LAWS:
         some = [row for row in rows if row["law"] == law]
-        explained = [row for row in some if row["explained"]]
+        reached = [row for row in some if row["reached"]]
         lines.append(
-            f"| {law} | {sf.LAWS[law].delay:g} | {len(explained)} of {len(some)} | "
-            f"{sum(row['open'] for row in explained)} of {len(explained)} |"
+            f"| {law} | {sf.LAWS[law].delay:g} | {len(reached)} of {len(some)} | "
+            f"{sum(row['open'] for row in reached)} of {len(reached)} |"
         )
     for law in LAWS:
-        lines += _of_law(law, [row for row in rows if row["law"] == law and row["explained"]])
+        lines += _of_law(law, [row for row in rows if row["law"] == law and row["reached"]])
     return "\n".join(lines) + "\n"
 
 

@@ -49,9 +49,9 @@ PARAMETERS = {
 MARGINS = {
     "critical_delay": ("critical delay", "s"),
     "decay_rate": ("decay rate", "1/s"),
-    "safety_factor": ("safety factor", "1"),
+    "static_gain_margin": ("static gain margin", "1"),
 }
-LINEAR = ("critical_delay", "safety_factor")  # axes
+LINEAR = ("critical_delay", "static_gain_margin")  # axes
 ALL = {**PARAMETERS, **MARGINS}
 WANTED = (90, 99)  # of 100
 
@@ -109,7 +109,7 @@ def fitted(job: tuple[str, sf.Recording, dict[str, Any], float]) -> dict[str, An
         "derivative_gain": feedback.derivative[0, 0],
         "critical_delay": critical,
         "decay_rate": -sf.rightmost_root(**person).real,
-        "safety_factor": (person["stiffness"].ankle + feedback.proportional[0, 0])
+        "static_gain_margin": (person["stiffness"].ankle + feedback.proportional[0, 0])
         / -np.asarray(sf.stiffness_matrix(person["body"], sf.Stiffness(0.0, 0.0, 0.0), G))[0, 0],
     }
     row: dict[str, Any] = {}
@@ -118,7 +118,11 @@ def fitted(job: tuple[str, sf.Recording, dict[str, Any], float]) -> dict[str, An
         row[f"{key}"] = value
         row[f"{key}_estimate"] = estimate.value
         row[f"{key}_low"], row[f"{key}_high"] = estimate.low, estimate.high
-    return {**row, "gain_open": fit.parameters["proportional_gain"].open[0], "p": fit.p_value}
+    return {
+        **row,
+        "gain_open": fit.parameters["proportional_gain"].open[0],
+        "reached": fit.explained is not False,
+    }
 
 
 def inside(row: dict[str, Any], key: str) -> bool:
@@ -153,7 +157,7 @@ def text(rows: list[dict[str, Any]], count: int) -> str:
                 f"{50 * (high - low):.0f} | {wide:.2f} |"
             )
     lower = [sum(row["gain_open"] for row in rows if row["law"] == law) for law in LAWS]
-    not_explained = [sum(row["p"] < 0.05 for row in rows if row["law"] == law) for law in LAWS]
+    not_reached = [sum(not row["reached"] for row in rows if row["law"] == law) for law in LAWS]
     share = stats.binom(count, 0.95).ppf([0.005, 0.995])
     lines += [
         "",
@@ -170,8 +174,8 @@ def text(rows: list[dict[str, Any]], count: int) -> str:
         "Bias: median of estimate over true value; spread: half of what holds 68 % of the "
         "ratios. High / low: median of an interval's ends, one over the other. The lower end of "
         f"the proportional gain is open, down to what just holds a person up, of {lower[0]} "
-        f"({LAWS[0]}) and {lower[1]} ({LAWS[1]}) people; {not_explained[0]} and "
-        f"{not_explained[1]} are said not to be explained, though they follow the law.",
+        f"({LAWS[0]}) and {lower[1]} ({LAWS[1]}) people; {not_reached[0]} and "
+        f"{not_reached[1]} are said not to be explained, though they follow the law.",
         "",
         "![Estimates and intervals over true values](recovery.png)",
         "",

@@ -13,7 +13,7 @@ import standfast as sf
 from recordings import sway, table
 from standfast.cli.app import main
 from standfast.cli.person_options import GivenPerson
-from standfast.cli.sway_fit import fit_facts
+from standfast.cli.sway_fit import fit_facts, fit_row
 from standfast.figures import recording as recording_figures
 from standfast.figures.recording import spectra
 from standfast.fitting.result import Estimate
@@ -122,12 +122,20 @@ def test_the_table_has_estimates_margins_and_what_they_come_to(file, fitted, cap
     assert row["fit_explained"] == ("yes" if fitted.explained else "no")
     open_ends = [
         f"{name}_{end}"
-        for name, estimate in fitted.parameters.items()
+        for name, estimate in both.items()
         for end, is_open in zip(("low", "high"), estimate.open, strict=True)
         if is_open
     ]
     assert row["fit_open_ends"].split() == open_ends
     assert [*row][-3:] == ["fit_open_ends", "fit_p", "fit_explained"]
+
+
+def test_the_table_says_nothing_of_a_law_that_cannot_be_tested(fitted):
+    untested = dataclasses.replace(fitted, p_value=None, explained=None)
+    *_, p_value, explained = fit_row(untested)
+    assert math.isnan(p_value)
+    assert explained == ""
+    assert fit_facts(untested)["p_value"] is None
 
 
 def test_the_figure_has_the_spectrum_of_the_person_fitted(

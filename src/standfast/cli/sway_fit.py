@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from standfast.recordings.recording import Recording
 
 ALL = "noise,proportional_gain,derivative_gain"
+EXPLAINED = {True: "yes", False: "no", None: ""}  # nothing where it cannot be tested
 # What a law and the fit say, so that options must not.
 OF_LAW = ("ankle", "knee", "hip", "damping", "proportional", "derivative", "noise")
 # The field's unit of a measure, and how many it has of ours.
@@ -27,8 +28,8 @@ def add_fit_options(parser: argparse.ArgumentParser) -> None:
     """Declare the option."""
     words = (
         "find which noise and gains of --law, on the body given, explain each recording, with "
-        f"95 %% intervals, and how far from falling that is; PARAMETERS of {ALL},feedback_delay "
-        f"(default: {ALL}); a second or more a recording"
+        f"95 %% intervals, and how far from falling that is; PARAMETERS are at most three of "
+        f"{ALL},feedback_delay (default: {ALL}); a second or more a recording"
     )
     parser.add_argument("--fit", nargs="?", const=ALL, metavar="PARAMETERS", help=words)
 
@@ -177,7 +178,7 @@ def fit_header(fit: "SwayFit") -> list[str]:
 
 
 def fit_row(fit: "SwayFit") -> list[float | str]:
-    """Return the numbers of a fit under :func:`fit_header`; NaN where one is not known.
+    """Return the numbers of a fit under :func:`fit_header`; NaN where one is not known or tested.
 
     Open ends are those that the measures do not set, by name: the limit of the search or of
     standing stands there.
@@ -187,11 +188,12 @@ def fit_row(fit: "SwayFit") -> list[float | str]:
     ]
     ends = [
         f"{name}_{end}"
-        for name, estimate in fit.parameters.items()
+        for name, estimate in {**fit.parameters, **fit.margins}.items()
         for end, open_ in zip(("low", "high"), estimate.open, strict=True)
         if open_
     ]
-    return [*numbers, " ".join(ends), fit.p_value, "yes" if fit.explained else "no"]
+    p_value = math.nan if fit.p_value is None else fit.p_value
+    return [*numbers, " ".join(ends), p_value, EXPLAINED[fit.explained]]
 
 
 def fitted_spectra(

@@ -35,9 +35,9 @@ LIMITS = {
 }  # fmt: skip
 UNITS = {
     NOISE: "N·m·√s", PROPORTIONAL: STIFFNESS_UNIT, DERIVATIVE: DAMPING_UNIT, DELAY: "s",
-    "critical_delay": "s", "delay_margin": "s", "decay_rate": "1/s", "safety_factor": "1",
+    "critical_delay": "s", "delay_margin": "s", "decay_rate": "1/s", "static_gain_margin": "1",
 }  # fmt: skip
-MARGINS = ("critical_delay", "delay_margin", "decay_rate", "safety_factor")
+MARGINS = ("critical_delay", "delay_margin", "decay_rate", "static_gain_margin")
 
 
 class Candidate(NamedTuple):
@@ -141,13 +141,14 @@ class Points(NamedTuple):
         free = np.ix_(*[np.flatnonzero(~self.rigid[:, 0])] * 2)
         held = numbers[2, ..., 0][free] + numbers[3, ..., 0][free]
         load = np.array(joint_gravity(self.family.body, self.family.gravity), float)[free]
-        # K + P may be divided until (K + P) v = s G v has a root s at 1
-        largest = np.linalg.eigvals(np.linalg.solve(held + load, load)).real.max()
+        # K + P may be divided by s until (K + P) v = s G v has a real root s; without one by any
+        shares = _real(np.linalg.eigvals(np.linalg.solve(held + load, load)))
+        largest = max(0.0, *shares) if shares.size else 0.0
         return {
             "critical_delay": critical,
             "delay_margin": critical - delay,
             "decay_rate": float(-root[0].real) if proven[0] else np.nan,
-            "safety_factor": float(1.0 / largest),
+            "static_gain_margin": float(1.0 / largest) if largest > 0.0 else np.inf,
         }
 
 
@@ -156,14 +157,19 @@ def points_of(family: Family) -> Points:
     numbers, rigid = family.numbers
     free = np.ix_(*[np.flatnonzero(~rigid[:, 0])] * 2)
     c, p = (numbers[k, ..., 0][free] for k in (2, 3))
-    roots = linalg.eigvals(-c, p)
-    real = roots[np.isfinite(roots) & (abs(roots.imag) < 1e-9 * (1.0 + abs(roots)))].real
+    real = _real(linalg.eigvals(-c, p))
     return Points(family, numbers, rigid, float(max(0.0, *real)) if real.size else 0.0)
 
 
 def noisy_joints(joints: tuple[str, ...]) -> tuple[bool, ...]:
     """Return which of the three joints are named."""
     return tuple(joint in joints for joint in JOINTS)
+
+
+def _real(roots: np.ndarray) -> np.ndarray:
+    """Return which roots are real and finite."""
+    own: np.ndarray = roots[np.isfinite(roots) & (abs(roots.imag) < 1e-9 * (1.0 + abs(roots)))].real
+    return own
 
 
 def _stands(table: Crossings, delay: float) -> bool:

@@ -29,12 +29,12 @@ from standfast.fitting.family import (
     points_of,
 )
 from standfast.fitting.likelihood import Likelihood
-from standfast.fitting.measured import POSSIBLE, Measured, checked_measures
+from standfast.fitting.measured import POSSIBLE, Measured, checked_measures, may_be
 from standfast.fitting.moments import FREQUENCY
-from standfast.fitting.region import CONFIDENCE, Region, region_of
+from standfast.fitting.region import CONFIDENCE, RISE, Region, region_of
 from standfast.fitting.result import Estimate, Fitted, SwayFit
-from standfast.fitting.search import best_point, coarse_grid
-from standfast.fitting.words import status_of
+from standfast.fitting.search import coarse_grid, minima_of
+from standfast.fitting.words import NAMES, status_of
 from standfast.mechanics.feedback import Feedback
 from standfast.mechanics.joints import checked_body
 from standfast.mechanics.law import Law
@@ -61,8 +61,9 @@ def fit_sway(
     """Return which noise and gains of a law explain a person's sway, with 95 % intervals.
 
     The likelihood is that of the measures, of which expectation and covariance in recordings of
-    this length follow from the model's spectra; intervals are likelihood profiles. Three measures
-    do not tell the delay besides noise and gains; it is the law's unless it is given.
+    this length follow from the model's spectra; intervals are likelihood profiles. As many
+    measures are needed as numbers are open: a recording has three, and so its delay is the law's
+    unless it is given, or takes the place of another number.
 
     Parameters
     ----------
@@ -91,7 +92,8 @@ def fit_sway(
     Raises
     ------
     InputError
-        if anything is out of range or unknown, or nobody stands by the law.
+        if anything is out of range or unknown, fewer measures than open numbers are given, or
+        nobody stands by the law.
 
     Examples
     --------
@@ -103,7 +105,25 @@ def fit_sway(
     family = _checked_family(law, body, gravity, free, delay, noisy)
     given = checked_measures(measured, duration, rate, low_pass, family.law.joints)
     _check_noise_shows(family, given)
+    _check_enough(family, given)
     return _result(Likelihood(points_of(family), given.target), given)
+
+
+def _check_enough(family: Family, given: Measured) -> None:
+    """Refuse more open numbers than measures: any interval would be made of chance alone."""
+    needed, count = len(family.free), len(given.values)
+    if needed <= count:
+        return
+    joints = family.law.joints
+    others = [name for name in POSSIBLE if name not in given.values and may_be(name, joints)]
+    one = len(joints) == 1 and {"sd_com", "sd_ankle"} & set(given.values)
+    others = [name for name in others if not (one and name in ("sd_com", "sd_ankle"))]
+    raise InputError(
+        f"free: {', '.join(family.free)} {'is' if needed == 1 else 'are'} {needed} open numbers, "
+        f"which need {needed} measures or more, and {count} "
+        f"{'is' if count == 1 else 'are'} given; give measures by name, of {', '.join(others)} "
+        "too, or leave something out of free"
+    )
 
 
 def _check_noise_shows(family: Family, given: Measured) -> None:
@@ -118,10 +138,10 @@ def _result(likelihood: Likelihood, given: Measured) -> SwayFit:
     points, names = likelihood.points, likelihood.target.measures
     family = points.family
     coarse = coarse_grid(likelihood)
-    best = best_point(likelihood, coarse)
-    if best is None:
-        raise InputError(f"nobody stands by {family.law.name} on this body, whatever its gains")
-    region = region_of(likelihood, coarse, best)
+    minima = minima_of(likelihood, coarse)
+    if not minima:
+        raise InputError(_nobody_stands(family))
+    region, best = region_of(likelihood, coarse, minima)
     found = likelihood.moments(best)
     if found is None:
         raise ArithmeticError("the most likely person does not stand")
@@ -131,10 +151,7 @@ def _result(likelihood: Likelihood, given: Measured) -> SwayFit:
         name: Fitted(given.values[name], float(np.exp(mean)), float(each), POSSIBLE[name][2])
         for name, mean, each in zip(names, found.mean, spread, strict=True)
     }
-    # with a number open for each measure only what no person has is left to be off
-    left = max(len(measures) - len(family.free), 1)
-    p_value = float(stats.chi2.sf(likelihood.misfit(best), left))
-    explained = p_value >= LEAST_P
+    p_value, explained = _tested(likelihood.misfit(best), len(measures) - len(family.free))
     sigma = points.factors(best)[NOISE]
     ankle, knee, hip = (sigma * float(one) for one in family.noisy)
     return SwayFit(
@@ -144,10 +161,28 @@ def _result(likelihood: Likelihood, given: Measured) -> SwayFit:
         measures=measures,
         p_value=p_value,
         explained=explained,
-        status=status_of(family.law.name, parameters, measures, explained, len(measures)),
+        status=status_of(family.law.name, parameters, measures, explained),
         person=_person(points, best),
         noise=(ankle, knee, hip),
     )
+
+
+def _nobody_stands(family: Family) -> str:
+    varied = " and ".join(NAMES[name] for name in family.free if name != NOISE)
+    how = f"whatever the {varied}" if varied else "with the law's own gains and this delay"
+    late = "" if DELAY in family.free else f" (delay {family.delay:g} s)"
+    return f"nobody stands by {family.law.name} on this body{late}, {how}"
+
+
+def _tested(misfit: float, left: int) -> tuple[float | None, bool | None]:
+    """Return p and whether the law explains the measures, with ``left`` degrees of freedom.
+
+    Without any, only measures that no open number reaches speak against the law.
+    """
+    if left > 0:
+        p_value = float(stats.chi2.sf(misfit, left))
+        return p_value, p_value >= LEAST_P
+    return None, None if misfit <= RISE else False
 
 
 def _checked_family(
@@ -191,16 +226,19 @@ def _estimates(
         values, margins = points.values(point), points.margins(point)
         return np.array([*(values[name] for name in names), *margins.values()])
 
-    ends = dict(zip((*names, *MARGINS), region.intervals(numbers, len(names) + 4), strict=True))
-    reach = {name: (bool(a), bool(b)) for name, (a, b) in zip(names, region.open, strict=True)}
+    intervals, at_edges = region.intervals(numbers, len(names) + len(MARGINS))
+    ends = dict(zip((*names, *MARGINS), intervals, strict=True))
+    # of a coordinate only its own limit is an end that is open
+    reach = dict(zip((*names, *MARGINS), [*region.open, *at_edges[len(names) :]], strict=True))
     if NOISE in free:
-        ends[NOISE] = np.exp(region.noise())
+        of_noise, reach[NOISE] = region.noise()
+        ends[NOISE] = np.exp(of_noise)
     values, margins = points.values(best), points.margins(best)
 
     def of(name: str, value: float) -> Estimate:
         low, high = (float(end) for end in ends[name])
-        ways = reach.get(name, (False, False))
-        return Estimate(value, min(low, value), max(high, value), UNITS[name], ways)
+        below, above = (bool(way) for way in reach[name])
+        return Estimate(value, min(low, value), max(high, value), UNITS[name], (below, above))
 
     return (
         {name: of(name, values[name]) for name in free},

@@ -11,6 +11,7 @@ from standfast.fitting.likelihood import Target
 from standfast.fitting.moments import FREQUENCY, MADE_OF, VELOCITY
 from standfast.fitting.window import window
 from standfast.numerics.arrays import TURN
+from standfast.parameters import JOINTS
 from standfast.recordings.measures import cop_spectrum, mean_and_median, sway_measures
 from standfast.recordings.recording import SHORTEST, Recording, checked_rate
 from standfast.stability.sway.density import LOW_PASS
@@ -60,16 +61,17 @@ def checked_measures(
     InputError
         if it is neither a recording nor measures by name, or a number is out of range.
     """
-    cut = LOW_PASS / TURN if low_pass is None else low_pass
+    cut = _number("low_pass", LOW_PASS / TURN if low_pass is None else low_pass)
     if isinstance(measured, Recording):
         for name, given in (("duration", duration), ("rate", rate)):
             if given is not None:
                 raise InputError(
                     f"{name} = {shortened(given)} beside a recording, which has its own"
                 )
+        _check_window(measured.ap.size / measured.rate, measured.rate, cut)
         values = sagittal_measures(measured, low_pass=low_pass)
         _check(values, joints)
-        return Measured(values, measured.ap.size, measured.rate, float(cut))
+        return Measured(values, measured.ap.size, measured.rate, cut)
     if not isinstance(measured, Mapping):
         raise InputError(
             f"measured = {shortened(measured)}; give a Recording, or measures by name in SI, "
@@ -79,14 +81,24 @@ def checked_measures(
     _check(values, joints)
     per_second = checked_rate("rate", USUAL["rate"] if rate is None else rate)
     seconds = USUAL["duration"] if duration is None else _number("duration", duration)
-    cut = _number("low_pass", cut)
+    _check_window(seconds, per_second, cut)
+    return Measured(values, round(seconds * per_second), per_second, cut)
+
+
+def may_be(name: str, joints: tuple[str, ...]) -> bool:
+    """Return whether a law with these joints has a measure: a rigid joint has no angle."""
+    joint = name.removeprefix("sd_")
+    return joint not in JOINTS or joint in joints
+
+
+def _check_window(seconds: float, per_second: float, low_pass: float) -> None:
     if not SHORTEST <= seconds <= LONGEST:
         raise InputError(f"duration = {seconds:g} s is outside of {SHORTEST:g} to {LONGEST:g} s")
-    if not 1.0 <= cut < 0.5 * per_second:
+    if not 1.0 <= low_pass < 0.5 * per_second:
         raise InputError(
-            f"low_pass = {cut:g} Hz is not between 1 Hz and half of the rate ({per_second:g} Hz)"
+            f"low_pass = {low_pass:g} Hz is not between 1 Hz and half of the rate "
+            f"({per_second:g} Hz)"
         )
-    return Measured(values, round(seconds * per_second), per_second, cut)
 
 
 def sagittal_measures(recording: Recording, *, low_pass: float | None = None) -> dict[str, float]:
@@ -128,8 +140,8 @@ def _check(values: Mapping[str, float], joints: tuple[str, ...]) -> None:
                 f"{name} = {value:g} {unit} is outside of {low:g} to {high:g} {unit}, between "
                 "which people are; is the unit right?"
             )
-        joint = name.removeprefix("sd_")
-        if joint in ("ankle", "knee", "hip") and joint not in joints:
+        if not may_be(name, joints):
+            joint = name.removeprefix("sd_")
             raise InputError(f"{name} is given, but the law holds the {joint} rigid")
     if not values:
         raise InputError(f"measured holds nothing; the measures are {', '.join(POSSIBLE)}")

@@ -44,13 +44,18 @@ class SwayFit:
         ``noise`` (N·m·√s, σ at each noisy joint), ``proportional_gain`` (N·m/rad) and
         ``derivative_gain`` (N·m·s/rad) of the ankle, with which those of other joints go in the
         law's proportion, and ``feedback_delay`` (s).
-    margins : ``critical_delay``, ``delay_margin`` (s), ``decay_rate`` (1/s), ``safety_factor``
-        the last is the factor by which all stiffness and proportional gains could be divided, and
-        the person just not topple.
+    margins : ``critical_delay``, ``delay_margin`` (s), ``decay_rate`` (1/s), ``static_gain_margin``
+        the last is by what all springs and proportional gains could be divided, and the person
+        just stand statically; with delay the person may fall before. It is not the safety factor
+        of a person's stiffness (:func:`standfast.safety_factor`).
     measures : :class:`~standfast.fitting.result.Fitted` by name
     p_value
-        how often a recording of a person who follows the law is further off than this one.
-    explained : whether that is 5 % or more
+        how often a recording of a person who follows the law is further off than this one: of χ²
+        with as many degrees of freedom as there are more measures than numbers open. None without
+        one: as many numbers can nearly always give as many measures, which tests nothing.
+    explained
+        whether ``p_value`` is 5 % or more. Without one, None where the measures are reached within
+        their chance (Q ≤ 3.84), and False where no open number reaches them.
     status : what it comes to, in a few sentences
     person : all arguments of ``sf.is_stable`` and others of the fitted person
     noise : (3,), N·m·√s, for ``sf.sway_covariance(**fit.person, noise=fit.noise)``
@@ -60,8 +65,8 @@ class SwayFit:
     parameters: Mapping[str, Estimate]
     margins: Mapping[str, Estimate]
     measures: Mapping[str, Fitted]
-    p_value: float
-    explained: bool
+    p_value: float | None
+    explained: bool | None
     status: str
     person: Mapping[str, Any]
     noise: tuple[float, float, float]

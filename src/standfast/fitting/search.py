@@ -1,7 +1,7 @@
 """The most likely point: a coarse grid, and from the best of it least squares by our derivatives.
 
 The measures of two quite different persons may be alike, so that a search from one start may end at
-the wrong one: the grid covers all of the limits.
+the wrong one: the grid covers all of the limits, and it is gone on from many of its places.
 """
 
 from itertools import product
@@ -15,7 +15,8 @@ from standfast.fitting.likelihood import Likelihood
 
 # Values a coordinate, by how many coordinates a grid has.
 COARSE = {0: 1, 1: 64, 2: 22, 3: 11}
-STARTS = 3  # local minima of the grid from which it is gone on
+STARTS = 16  # places of the grid from which it is gone on
+STEPS = 60  # of the solver from a start; more are only taken along the edge of standing
 
 
 class Grid(NamedTuple):
@@ -61,18 +62,24 @@ def coarse_grid(likelihood: Likelihood) -> Grid:
     return graded(likelihood, tuple(np.linspace(low[k], high[k], COARSE[len(keep)]) for k in keep))
 
 
-def best_point(likelihood: Likelihood, grid: Grid) -> np.ndarray | None:
-    """Return the most likely point, None if nobody of the grid stands."""
+def minima_of(likelihood: Likelihood, grid: Grid) -> list[np.ndarray]:
+    """Return the most likely points near the best places of a grid, none if nobody of it stands.
+
+    They are the local minima, and the best at each value of each coordinate: of a long recording
+    a minimum may be narrower than a step of the grid.
+    """
     free = likelihood.points.family.free
     lowest = ndimage.minimum_filter(grid.size, 3) if grid.axes else grid.size
-    hollow = np.isfinite(grid.size) & (grid.size == lowest)
-    places = [tuple(map(int, place)) for place in np.argwhere(hollow)]
+    start = np.isfinite(grid.size) & (grid.size == lowest)
+    for axis in range(len(grid.axes)):
+        others = tuple(k for k in range(len(grid.axes)) if k != axis)
+        start |= np.isfinite(grid.size) & (grid.size == grid.size.min(axis=others, keepdims=True))
+    places = [tuple(map(int, place)) for place in np.argwhere(start)]
     places.sort(key=lambda place: float(grid.size[place]))
-    found = [_settled(likelihood, grid.point(place, free)) for place in places[:STARTS]]
-    return min(found, key=likelihood.size) if found else None
+    return [settled(likelihood, grid.point(place, free)) for place in places[:STARTS]]
 
 
-def _settled(likelihood: Likelihood, start: np.ndarray) -> np.ndarray:
+def settled(likelihood: Likelihood, start: np.ndarray) -> np.ndarray:
     """Return the most likely point near a start."""
     low, high = likelihood.points.bounds
     found = optimize.least_squares(
@@ -80,6 +87,7 @@ def _settled(likelihood: Likelihood, start: np.ndarray) -> np.ndarray:
         np.clip(start, low + 1e-9, high - 1e-9),
         likelihood.slope,
         bounds=(low, high),
+        max_nfev=STEPS,
     )
     point: np.ndarray = found.x
     return point

@@ -26,12 +26,17 @@ def status_of(
     law: str,
     parameters: Mapping[str, Estimate],
     measures: Mapping[str, Fitted],
-    explained: bool,
-    count: int,
+    explained: bool | None,
 ) -> str:
     """Return whether the law explains the measures, and what they do not tell."""
     said = [f"{law} explains the measures."]
-    if not explained:
+    if explained is None:
+        numbers = len(measures)
+        said = [
+            f"{law} can have these measures; whether it explains them cannot be tested: as many "
+            f"numbers are open as measures are given ({numbers})."
+        ]
+    elif not explained:
         worst = max(measures, key=lambda name: _off(measures[name]))
         found = measures[worst]
         more = "more" if found.model > found.measured else "less"
@@ -42,9 +47,6 @@ def status_of(
             f"has {ratio:.2g} times {more} {NAMES[worst]}. Margins are those of this person, and "
             "mean little."
         ]
-    if len(parameters) > count:
-        given = "1 measure" if count == 1 else f"{count} measures"
-        said.append(f"{given} cannot tell {len(parameters)} parameters.")
     for name, estimate in parameters.items():
         below, above = estimate.open
         if below and above:

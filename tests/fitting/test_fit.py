@@ -7,6 +7,7 @@ import pytest
 
 import standfast as sf
 from drawn_sway import centres_of_pressure, recording
+from standfast.fitting import region as region_module
 from standfast.fitting.family import OPEN, Family, points_of
 from standfast.fitting.likelihood import Likelihood, Target
 from standfast.fitting.measured import checked_measures
@@ -161,6 +162,25 @@ def test_a_better_point_of_a_grid_is_gone_on_from(typical):
     region, found = region_of(likelihood, coarse, [best + 0.1])
     assert found == pytest.approx(best, abs=1e-4)
     assert region.excess.min() >= 0.0
+
+
+def test_a_region_between_the_points_of_a_grid_is_seen(typical, monkeypatch):
+    # three values a coordinate: none of the first grids has a point inside
+    monkeypatch.setitem(region_module.FINE, 2, (3, 3))
+    found = sf.fit_sway(TYPICAL, "dec-2015", BODY)
+    for name, estimate in typical.parameters.items():
+        assert found.parameters[name].value == pytest.approx(estimate.value, rel=1e-4)
+        # of the 4 to 8 values a coordinate that it ends with a quarter of the width may be missed
+        widths = [each.high - each.low for each in (found.parameters[name], estimate)]
+        assert widths[0] == pytest.approx(widths[1], rel=0.25)
+    # without a single point inside, the best one is all that is known
+    monkeypatch.setattr(region_module, "ROUNDS", 1)
+    monkeypatch.setattr(region_module, "RISE", 1e-9)
+    alone = sf.fit_sway(TYPICAL, "dec-2015", BODY)
+    for name, estimate in typical.parameters.items():
+        low, high = alone.parameters[name][1:3]
+        assert low == pytest.approx(high, rel=1e-3)
+        assert estimate.value == pytest.approx(low, rel=1e-3)
 
 
 def test_a_shorter_recording_says_less(typical):

@@ -9,6 +9,7 @@ root of the excess over the least, nearly linear, has its value. Where a grid ha
 than the least, the search goes on from there, and the region is laid anew.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
@@ -118,7 +119,7 @@ def region_of(
 ) -> tuple[Region, np.ndarray]:
     """Return the region around the most likely of some minima, with all its parts, and that point.
 
-    It is a more likely one where a grid shows one.
+    Where a grid shows a more likely point, it is settled again from there.
     """
     while True:
         minima = sorted(minima, key=likelihood.size)
@@ -140,13 +141,12 @@ def _laid(likelihood: Likelihood, coarse: Grid, minima: list[np.ndarray]) -> Reg
     free = likelihood.points.family.free
     keep = [k for k, name in enumerate(free) if name != NOISE]
     least, within = likelihood.size(minima[0]), np.stack(minima)[:, keep]
-    grid, slack, counts = coarse, SLACK, FINE[len(keep)]
+    grid, slack, counts, count = coarse, SLACK, FINE[len(keep)], 1
     for turn in range(ROUNDS):
-        count = counts[min(turn, len(counts) - 1)]
-        if turn >= len(counts):
-            count = max(
-                grid.axes[0].size, int(min(count * GROWTH ** (turn - 1), MOST ** (1 / len(keep))))
-            )
+        if turn < len(counts):
+            count = counts[turn]
+        else:
+            count = min(math.ceil(GROWTH * count), int(MOST ** (1.0 / len(keep))))
         grid = graded(likelihood, _closer(grid, grid.size - least <= RISE + slack, within, count))
         place = np.unravel_index(np.argmin(grid.size), grid.size.shape)
         if grid.size[place] < least - BETTER:

@@ -135,7 +135,8 @@ def test_the_table_says_nothing_of_a_law_that_cannot_be_tested(fitted):
     *_, p_value, explained = fit_row(untested)
     assert math.isnan(p_value)
     assert explained == ""
-    assert fit_facts(untested)["p_value"] is None
+    given = GivenPerson({f"{joint}_stiffness": 1.0 for joint in JOINTS}, None, 1.0)
+    assert fit_facts(given, untested)["p_value"] is None
 
 
 def test_the_figure_has_the_spectrum_of_the_person_fitted(

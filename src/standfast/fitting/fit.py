@@ -96,7 +96,8 @@ def fit_sway(
     Examples
     --------
     >>> import standfast as sf
-    >>> fit = sf.fit_sway({"sd_ap": 0.0045}, "dec-2015", sf.Body.edwards2007(), free=["noise"])
+    >>> table = {"sd_ap": 0.0045, "mean_frequency_ap": 0.23}
+    >>> fit = sf.fit_sway(table, "dec-2015", sf.Body.edwards2007(), free=["noise"])
     >>> fit.explained
     True
     """

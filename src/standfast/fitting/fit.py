@@ -103,13 +103,13 @@ def fit_sway(
     """
     family = _checked_family(law, body, gravity, free, delay, noisy)
     given = checked_measures(measured, duration, rate, low_pass, family.law.joints)
-    _check_noise_shows(family, given)
     _check_enough(family, given)
     return _result(Likelihood(points_of(family), given.target), given)
 
 
 def _check_enough(family: Family, given: Measured) -> None:
     """Refuse more open numbers than measures: any interval would be made of chance alone."""
+    _check_noise_shows(family, given)
     needed, count = len(family.free), len(given.values)
     if needed <= count:
         return

@@ -12,7 +12,7 @@ from standfast.fitting.family import OPEN, Family, points_of
 from standfast.fitting.likelihood import Likelihood, Target
 from standfast.fitting.measured import checked_measures
 from standfast.fitting.region import region_of
-from standfast.fitting.search import coarse_grid, minima_of
+from standfast.fitting.search import Grid, coarse_grid, minima_of
 from standfast.fitting.window import window
 
 BODY = sf.Body.from_height_mass(1.72, 68.0)
@@ -183,6 +183,19 @@ def test_a_region_between_the_points_of_a_grid_is_seen(typical, monkeypatch):
         assert estimate.value == pytest.approx(low, rel=1e-3)
 
 
+def test_who_stands_next_to_someone_who_falls_is_at_an_edge():
+    falls = np.array([[0.0, 1.0, np.inf], [0.0, 1.0, 2.0]])
+    law = sf.LAWS["dec-2015"]
+    points = points_of(Family(law, BODY, 9.80665, law.delay, (True,) * 3, OPEN))
+    given = checked_measures(TYPICAL, None, None, None, law.joints)
+    low, _ = points.bounds
+    axes = (np.array([-1.0, 0.0]), np.array([low[2], 0.0, 1.0]))
+    grid = Grid(axes, falls, falls, falls)
+    edge, reaches = region_module.edges_of(Likelihood(points, given.target), grid, [1, 2])
+    np.testing.assert_array_equal(edge, [[True, True, False], [True, False, True]])
+    np.testing.assert_array_equal(reaches[1, 0], [[True, False, False]] * 2)
+
+
 def test_a_shorter_recording_says_less(typical):
     short = sf.fit_sway(TYPICAL, "dec-2015", BODY, duration=15.0)
     for name, estimate in short.parameters.items():
@@ -191,6 +204,7 @@ def test_a_shorter_recording_says_less(typical):
     assert short.parameters["proportional_gain"].open[0]
     # and of a margin that ends where the gain does
     assert short.margins["static_gain_margin"].open == (True, False)
+    assert short.margins["decay_rate"].open == (True, False)
     assert typical.margins["static_gain_margin"].open == (False, False)
     assert "just holds a person up" in short.status
 

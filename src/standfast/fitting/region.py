@@ -99,7 +99,7 @@ class Region(NamedTuple):
             low, high = at(place), at(other)
             both = np.isfinite(low) & np.isfinite(high)
             found.append(np.where(both, low + share * np.where(both, high - low, 0.0), np.nan))
-            edge.append(False)
+            edge.append(bool(self.edge[place] and self.edge[other]))
         rows, open_ = np.stack(found), np.array(edge)
         low = np.argmin(np.where(np.isnan(rows), np.inf, rows), axis=0)
         high = np.argmax(np.where(np.isnan(rows), -np.inf, rows), axis=0)
@@ -156,13 +156,13 @@ def _laid(likelihood: Likelihood, coarse: Grid, minima: list[np.ndarray]) -> Reg
         if turn + 1 >= len(counts) and inside.sum() >= ENOUGH[len(keep)]:
             break
     noises = np.array([likelihood.over_noise(point) for point in minima]) - [least, 0.0, 0.0]
-    edge, reaches = _edges(likelihood, grid, keep)
+    edge, reaches = edges_of(likelihood, grid, keep)
     inside_at = [(reaches[axis] & inside).any() for axis in np.ndindex(len(keep), 2)]
     open_ = np.array(inside_at, bool).reshape(len(keep), 2)
     return Region(grid, np.maximum(excess, 0.0), inside, open_, edge, within, noises)
 
 
-def _edges(likelihood: Likelihood, grid: Grid, keep: list[int]) -> tuple[np.ndarray, np.ndarray]:
+def edges_of(likelihood: Likelihood, grid: Grid, keep: list[int]) -> tuple[np.ndarray, np.ndarray]:
     """Return which points are at an edge, and, (coordinates, 2, …), which at each limit."""
     limits = np.stack(likelihood.points.bounds)[:, keep]
     shape = grid.size.shape

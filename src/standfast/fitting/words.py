@@ -49,7 +49,12 @@ def status_of(
         ]
     for name, estimate in parameters.items():
         below, above = estimate.open
-        if below and above:
+        if name == "noise" and (below or above):
+            end = (
+                "both ends" if below and above else ("the lower end" if below else "the upper end")
+            )
+            said.append(f"Of the noise {end} may be further out, at the edge of what was searched.")
+        elif below and above:
             said.append(f"The {NAMES[name]} is not known from them at all.")
         elif below and name == PROPORTIONAL:
             said.append(

@@ -206,6 +206,8 @@ def draw(rows: list[dict[str, Any]]) -> None:
             ax.plot(ends, ends, color=GREY, lw=1.0)
             if key not in LINEAR:
                 ax.loglog()
+                # a thousandth of the least is as good as 0
+                ax.set_ylim(bottom=max(ax.get_ylim()[0], 1e-3 * ends[0]))
                 for axis in (ax.xaxis, ax.yaxis):
                     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
                     axis.set_major_formatter(lambda value, _: f"{value:g}")

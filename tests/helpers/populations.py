@@ -53,6 +53,19 @@ def changed(key: str, value: Any, base: dict[str, Any] = GOOD) -> dict[str, Any]
     return content
 
 
+# One free joint: ankles that never hold alone, and a delay that a third does not bear.
+ANKLES = changed("stiffness", {"ankle": law("normal", "mgh", mean=0.6, sd=0.06)})
+ANKLES["stiffness"] |= {"knee": RIGID, "hip": RIGID}
+ANKLES |= {
+    "damping": {"ankle": law("uniform", low=5.0, high=40.0)},
+    "feedback": {
+        "delay": law("lognormal", mean=0.3, sd=0.08),
+        "proportional": {"ankle": law("lognormal", "mgh", mean=0.7, sd=0.15)},
+        "derivative": {"ankle": law("normal", "single_joint_critical", mean=0.35, sd=0.1)},
+    },
+}
+
+
 def of(content: dict[str, Any], **population: Any) -> PopulationStudy:
     """Return a checked study with some keys of its population changed."""
     content = copy.deepcopy(content)

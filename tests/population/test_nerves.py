@@ -11,7 +11,7 @@ import pytest
 import plain_population as plain
 import standfast as sf
 from delay_oracles import unstable_by_argument
-from populations import GOOD, RIGID, changed, counted, events, law, of
+from populations import ANKLES, GOOD, changed, counted, events, law, of
 from standfast.cli.app import main
 from standfast.figures.population import draw
 from standfast.parameters import LOOPS, gain_name
@@ -35,17 +35,6 @@ from standfast.study.canonical import fingerprint_of
 G = 9.81
 SIZE = 200_000
 
-# One free joint: ankles that never hold alone, and a delay that a third does not bear.
-ANKLES = changed("stiffness", {"ankle": law("normal", "mgh", mean=0.6, sd=0.06)})
-ANKLES["stiffness"] |= {"knee": RIGID, "hip": RIGID}
-ANKLES |= {
-    "damping": {"ankle": law("uniform", low=5.0, high=40.0)},
-    "feedback": {
-        "delay": law("lognormal", mean=0.3, sd=0.08),
-        "proportional": {"ankle": law("lognormal", "mgh", mean=0.7, sd=0.15)},
-        "derivative": {"ankle": law("normal", "single_joint_critical", mean=0.35, sd=0.1)},
-    },
-}
 # Three free joints, gains across joints of either sign.
 JOINTS = changed("stiffness.ankle", law("normal", "mgh", mean=0.8, sd=0.1))
 JOINTS["stiffness"] |= {

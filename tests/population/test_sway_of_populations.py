@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import standfast as sf
-from populations import RIGID, changed, counted, law, of
+from populations import ANKLES, RIGID, changed, counted, law, of
 from standfast.cli.app import main
 from standfast.parameters import LOOPS, gain_name
 from standfast.population.cohort.cohort import cohort_of
@@ -32,16 +32,6 @@ EVERY = [
     "cop_frequency",
 ]
 
-ANKLES = changed("stiffness", {"ankle": law("normal", "mgh", mean=0.6, sd=0.06)})
-ANKLES["stiffness"] |= {"knee": RIGID, "hip": RIGID}
-ANKLES |= {
-    "damping": {"ankle": law("uniform", low=5.0, high=40.0)},
-    "feedback": {
-        "delay": law("lognormal", mean=0.3, sd=0.08),
-        "proportional": {"ankle": law("lognormal", "mgh", mean=0.7, sd=0.15)},
-        "derivative": {"ankle": law("normal", "single_joint_critical", mean=0.35, sd=0.1)},
-    },
-}
 NOISY = {
     **ANKLES,
     "noise": {"ankle": law("lognormal", "mgh", mean=1e-3, sd=3e-4)},

@@ -20,7 +20,9 @@ from standfast.cli.person_options import (
 from standfast.cli.person_text import fed_back_in_words, person_in_words
 from standfast.errors import InputError
 from standfast.files import column_name
+from standfast.numerics.arrays import TURN
 from standfast.parameters import JOINTS, NOISES, PARAMETERS
+from standfast.stability.sway.density import LOW_PASS
 
 if TYPE_CHECKING:
     from standfast.recordings.expected import ExpectedSway
@@ -126,7 +128,7 @@ def model_in_words(model: ModelBeside, low_pass: float | None) -> str:
     lines.append(
         "–: the model is sagittal, so mediolateral motion, area and path have no value; nor has a "
         "range,\nfor which no formula is known. All else is of the recording's length and rate, "
-        f"through a\nlow-pass at {10.0 if low_pass is None else low_pass:g} Hz."
+        f"through a\nlow-pass at {LOW_PASS / TURN if low_pass is None else low_pass:g} Hz."
     )
     return "\n".join(line for line in lines if line)
 

@@ -10,7 +10,8 @@ finite variance: with a free ankle u = (K q + B q̇ + P q(t − τ) + D q̇(t �
 seen through the low-pass of a force plate's software, because its velocity would have none either.
 
 notation: A inertia, B damping, C stiffness less gravity, P and D gains, τ delay, S noise, G gravity
-part, ω angular frequency (rad/s), q rotations of ankle, knee and hip (rad).
+part, ω angular frequency (rad/s), q rotations of ankle, knee and hip (rad), F moments of springs,
+damping and feedback per rotation.
 """
 
 from typing import NamedTuple
@@ -55,7 +56,7 @@ class Swaying(NamedTuple):
 
 def densities(swaying: Swaying, omega: Scalar, phase: Scalar) -> list[Scalar]:
     """Return all rows of densities at an angular frequency ω, with the phase ωτ of the feedback."""
-    forces = _forces(swaying.numbers, omega, *cosine_and_sine(phase))
+    forces = _forces(swaying.numbers, omega, phase)
     adjugate, scale = _inverse(_matrix(swaying, omega, forces))
     found = [
         scale * sum(swaying.noise[k] * along(adjugate[i][k], adjugate[j][k]) for k in range(3))
@@ -78,8 +79,8 @@ def densities(swaying: Swaying, omega: Scalar, phase: Scalar) -> list[Scalar]:
 
 def characteristic(swaying: Swaying, omega: Scalar) -> Scalar:
     """Return det H⁻¹ at iω, a complex number: near a pole of H its angle turns by π."""
-    turned = cosine_and_sine(omega * swaying.delay)
-    matrix = _matrix(swaying, omega, _forces(swaying.numbers, omega, *turned))
+    forces = _forces(swaying.numbers, omega, omega * swaying.delay)
+    matrix = _matrix(swaying, omega, forces)
     determinant = _product(matrix[0], [_minor(matrix, 0, j) for j in range(3)])
     return determinant.re + 1j * determinant.im
 
@@ -93,19 +94,28 @@ def _matrix(swaying: Swaying, omega: Scalar, forces: list[list[Complex]]) -> lis
     ]
 
 
-def _forces(numbers: Array, omega: Scalar, cosine: Scalar, sine: Scalar) -> list[list[Complex]]:
-    """Return C + iωB + (P + iωD) e^(−iωτ)."""
+def _forces(numbers: Array, omega: Scalar, phase: Scalar) -> list[list[Complex]]:
+    """Return F entry by entry."""
     _, b, c, p, d = numbers
+    turned = cosine_and_sine(phase)
     return [
-        [
-            Complex(
-                c[i][j] + p[i][j] * cosine + omega * d[i][j] * sine,
-                omega * (b[i][j] + d[i][j] * cosine) - p[i][j] * sine,
-            )
-            for j in range(3)
-        ]
+        [moment(b[i][j], c[i][j], p[i][j], d[i][j], omega, turned) for j in range(3)]
         for i in range(3)
     ]
+
+
+def moment(
+    b: Scalar, c: Scalar, p: Scalar, d: Scalar, omega: Scalar, turned: tuple[Scalar, Scalar]
+) -> Complex:
+    """Return F = C + iωB + (P + iωD) e^(−iωτ).
+
+    Of one entry, or of arrays of them that broadcast; ``turned`` holds cos ωτ and sin ωτ.
+    """
+    cosine, sine = turned
+    return Complex(
+        c + p * cosine + omega * d * sine,
+        omega * (b + d * cosine) - p * sine,
+    )
 
 
 def _inverse(m: list[list[Complex]]) -> tuple[list[list[Complex]], Scalar]:

@@ -1,6 +1,6 @@
 """What noise makes of readings of a swaying person, and how that changes with gains and delay.
 
-    y = (a F + b) H w,  F = C + iωB + (P + iωD) e^(−iωτ),  H = (F − ω² A)⁻¹
+    y = (a F + b) H w,  H = (F − ω² A)⁻¹,  F = :func:`.density.moment`
 
 of a reading that weighs the joints' moments by a and their rotations by b: a rotation has a = 0 and
 b of one joint, the centre of mass b = (G1, G2, G3)/(m g), the centre of pressure both
@@ -14,7 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from standfast.stability.sway.density import LOW_PASS, Swaying
+from standfast.numerics.complex_pairs import Complex
+from standfast.numerics.trigonometry import cosine_and_sine
+from standfast.stability.sway.density import LOW_PASS, Swaying, moment
 
 READINGS = ("ankle", "knee", "hip", "com", "cop")
 
@@ -55,11 +57,9 @@ def responses(
     free = np.flatnonzero(~rigid)
     block = np.ix_(free, free)
     a, b, c, p, d = (matrix[block][..., None] for matrix in swaying.numbers[..., 0])
-    s = 1j * omega
-    late = np.exp(-s * swaying.delay[0])
-    fed_back = (p + d * s) * late
-    moments = c + b * s + fed_back
-    h = _inverse(moments + a * s**2)
+    turned = cosine_and_sine(omega * swaying.delay[0])
+    moments = _complex(moment(b, c, p, d, omega, turned))
+    h = _inverse(moments - omega**2 * a)
     by_moment, by_rotation = _weights(swaying, free, readings)
     gain = np.ones((len(readings), 1, omega.size))
     gain[[name == "cop" for name in readings]] = 1.0 / (1.0 + (omega / low_pass) ** 4)
@@ -67,10 +67,31 @@ def responses(
     rows = _product(_product(by_moment, moments) + by_rotation, h)
     found[0][:, free] = gain * rows
     for row, change in zip(found[1:], changes, strict=True):
-        gains = (matrix[block][..., None] for matrix in change[:2])
-        moved = (next(gains) + next(gains) * s) * late - s * change.delay * fed_back
+        moved = _moved(change, block, (p, d), omega, turned)
         row[:, free] = gain * _product(_product(by_moment - rows, moved), h)
     return found[0], found[1:]
+
+
+def _moved(
+    change: Change,
+    block: tuple[np.ndarray, ...],
+    gains: tuple[np.ndarray, np.ndarray],
+    omega: np.ndarray,
+    turned: tuple[np.ndarray, np.ndarray],
+) -> np.ndarray:
+    """Return dF: F of the gains that change, and −iω dτ times F of all gains alone."""
+    by_gains = (matrix[block][..., None] for matrix in (change.proportional, change.derivative))
+    found = _complex(moment(0.0, 0.0, *by_gains, omega, turned))
+    if change.delay:
+        found -= 1j * omega * change.delay * _complex(moment(0.0, 0.0, *gains, omega, turned))
+    return found
+
+
+def _complex(pair: Complex) -> np.ndarray:
+    """Return a pair of real arrays as a complex one."""
+    found = np.empty(pair.re.shape, complex)
+    found.real, found.imag = pair
+    return found
 
 
 def _weights(

@@ -236,9 +236,23 @@ def test_crossings_are_looked_for_of_whom_the_quantities_need(monkeypatch):
     tables.clear()
     beside = [*sway, "decay_rate"]
     together = whole(sf.Study.from_dict({**FALLING, "output": {"quantities": beside}}))
-    assert {of for of, _ in tables} == {"everybody"}
+    assert {of for of, _ in tables} == {"who may stand"}
+    tables.clear()
+    # a rightmost root is found without them
+    of_root = whole(sf.Study.from_dict({**FALLING, "output": {"quantities": ["decay_rate"]}}))
+    assert not tables
+    np.testing.assert_array_equal(of_root["decay_rate"], together["decay_rate"])
+
+    def of_everybody(*args, **how):
+        tables.append(("everybody", all_crossings(*args, **{**how, "of": "everybody"})))
+        return tables[-1][1]
+
+    monkeypatch.setattr(engine, "all_crossings", of_everybody)
+    with_all = whole(sf.Study.from_dict({**FALLING, "output": {"quantities": sway}}))
+    assert any((table.unstable[table.person] % 2 == 1).any() for _, table in tables)
     for name in sway:
         np.testing.assert_array_equal(alone[name], together[name])
+        np.testing.assert_array_equal(alone[name], with_all[name])
 
 
 def test_variances_of_quantities_of_one_call_are_found_together(monkeypatch):
@@ -325,3 +339,63 @@ def test_what_lies_beyond_the_end_of_an_axis_is_not_counted(monkeypatch):
         for tile in study.grid.shard(shard):
             evaluate(tile)
     assert evaluate.left_open == 2
+
+
+def test_of_whom_rounding_leaves_the_verdict_open_no_sway_is_told():
+    """At the critical delay itself, and with gains that hold exactly what topples."""
+    content, of_delay = near_to_falling()
+    body, rigid, person = of_delay[0]
+    critical = sf.critical_delay(body, rigid, **person)
+    content["feedback"]["delay"] = [0.1, critical, (1.0 + 1e-9) * critical]
+    content["noise"] = {"ankle": 1.0}
+    load = -float(sf.stiffness_matrix(body, sf.Stiffness(0.0, math.inf, math.inf), 9.8)[0, 0])
+    # of the first the gain is short of what topples, of the second it is the same
+    gains = [load - 400.0 - 1.0, load - 400.0, 400.0]
+    content["feedback"]["proportional"] = {"ankle": gains}
+    names = ["ankle_sway", "cop_frequency"]
+    study = sf.Study.from_dict({**content, "output": {"quantities": names}})
+    evaluate = Evaluator(study)
+    (tile,) = study.grid.shard(0)
+    place = [list(study.axes).index(n) for n in ("ankle_proportional_gain", "feedback_delay")]
+    sway, frequency = (np.squeeze(np.moveaxis(v, place, (0, 1))) for v in evaluate(tile))
+    assert np.isinf(sway[0]).all()
+    assert np.isnan(sway[1]).all()
+    stands, at_critical, falls = sway[2]
+    assert math.isfinite(stands)
+    assert math.isnan(at_critical)
+    assert math.isinf(falls)
+    assert np.isfinite(frequency).sum() == 1
+    # a person by its crossings, and another at one delay
+    assert evaluate.left_open == 2
+
+
+@pytest.mark.parametrize("quantities", [["stable"], ["ankle_sway", "decay_rate"]])
+def test_a_table_that_is_found_again_is_counted_once(monkeypatch, quantities):
+    """With a gain's axis after the delay's the tables go round, and none is kept."""
+    monkeypatch.setattr(engine, "KEPT", 1)
+    monkeypatch.setattr(grid, "FED_BACK_NUMBERS", 2)
+    monkeypatch.setattr(grid, "CHUNK_BYTES", 2)
+    content, _ = near_to_falling()
+    body = sf.Body.from_height_mass(1.7, 70.0)
+    load = -float(sf.stiffness_matrix(body, sf.Stiffness(0.0, math.inf, math.inf), 9.8)[0, 0])
+    content["feedback"] = {
+        "delay": [0.05, 0.1, 0.15, 0.2],
+        "proportional": {"ankle": [load - 400.0, 400.0]},
+        "derivative": {"ankle": 200.0},
+    }
+    content["noise"] = {"ankle": 1.0}
+    study = sf.Study.from_dict({**content, "output": {"quantities": quantities}})
+    tiles = [tile for number in range(study.grid.shard_count) for tile in study.grid.shard(number)]
+    assert [tile.chunk for tile in tiles] == [(0, 0), (0, 1), (1, 0), (1, 1)]  # delays, gains
+    tables = []
+
+    def remembered(*args, **how):
+        tables.append(all_crossings(*args, **how))
+        return tables[-1]
+
+    monkeypatch.setattr(engine, "all_crossings", remembered)
+    evaluate = Evaluator(study)
+    for tile in tiles:
+        evaluate(tile)
+    assert sum(int(table.uncertain.sum()) for table in tables) > 1  # found again
+    assert evaluate.left_open == 1

@@ -32,7 +32,8 @@ with gains also damping, delay and gains, and
   delay_margin_s                        critical delay less the own
 with noise also the noises, and
   JOINT_sway_rad, com_sway_m, cop_sway_m, cop_velocity_m_s
-                                        standard deviations; inf who falls or is not damped
+                                        standard deviations; inf who falls or is not damped,
+                                        nothing who is too near to falling to say
   cop_frequency_Hz                      mean frequency of the CoP
 then all other columns of the file as they were"""
 

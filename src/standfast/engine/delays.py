@@ -54,7 +54,9 @@ class Delays:
         self.apply: Apply = in_batches if points > FEW else directly
         self.left_open = 0
         self._lock = threading.Lock()
+        self._counted: set[tuple[int, ...]] = set()
         # tiles of one table, which differ in the delay, come one after the other or in threads
+        self.people = lru_cache(maxsize=KEPT)(self._people)
         self.tables = lru_cache(maxsize=KEPT)(self._table)
 
     def __call__(self, tile: Tile) -> tuple[np.ndarray, ...]:
@@ -69,12 +71,12 @@ class Delays:
             inside = min(length, len(values) - start)
             chunk = chunk[: self.place] + chunk[self.place + 1 :]
             sides = sides[: self.place] + sides[self.place + 1 :]
-        *_, table = self.tables(chunk)
+        left_open = np.zeros((math.prod(sides), delays.size), bool)
         asked = FedBack(
-            table,
             delays,
-            lambda: self._roots(chunk, delays, inside),
-            lambda: self._variances(chunk, delays, inside),
+            lambda: self.tables(chunk),
+            lambda: self._roots(chunk, delays, left_open),
+            lambda: self._variances(chunk, asked.crossings, delays, left_open),
         )
         found = []
         for name, answer in zip(self.group.quantities, self.answers, strict=True):
@@ -86,14 +88,22 @@ class Delays:
             else:
                 spread = values.reshape(*sides, delays.size)
                 found.append(np.ascontiguousarray(np.moveaxis(spread, -1, self.place)))
+        if self.of != "nobody":  # whom crossings leave open was counted with them
+            left_open[asked.crossings.uncertain] = False
+        self._count(chunk, left_open[:, :inside])
         return tuple(found)
 
-    def _table(self, chunk: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, Crossings]:
-        """Return matrices, rigid joints and crossings on a chunk of the other axes."""
-        sides, *_, at = self._places(chunk)
+    def _people(self, chunk: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
+        """Return matrices and rigid joints on a chunk of the other axes."""
+        *_, at = self._places(chunk)
         entries = _matrices(self.others)(self.inputs.fixed, self.inputs.pieces(at))
         numbers = np.stack([np.asarray(entry).ravel() for entry in entries]).reshape(5, 3, 3, -1)
-        rigid = np.isinf(numbers[2].diagonal()).T
+        return numbers, np.isinf(numbers[2].diagonal()).T
+
+    def _table(self, chunk: tuple[int, ...]) -> Crossings:
+        """Return the crossings on a chunk of the other axes."""
+        sides, *_, at = self._places(chunk)
+        numbers, rigid = self.people(chunk)
         table = all_crossings(numbers, rigid, of=self.of, apply=self.apply)
         for person in np.flatnonzero(table.by_springs & table.uncertain):
             place = np.unravel_index(person, sides)
@@ -102,8 +112,12 @@ class Delays:
                 for name, i in zip(self.others, place, strict=True)
             }
             table.settle(int(person), stands=_stands_exactly({**self.inputs.plainly, **varying}))
-        self._count(chunk, table.uncertain[:, None])
-        return numbers, rigid, table
+        with self._lock:  # a table may be found again, in another thread or once it was dropped
+            again = chunk in self._counted
+            self._counted.add(chunk)
+        if not again:
+            self._count(chunk, table.uncertain[:, None])
+        return table
 
     def _places(
         self, chunk: tuple[int, ...]
@@ -120,13 +134,18 @@ class Delays:
         return sides, starts, counts, at
 
     def _variances(
-        self, chunk: tuple[int, ...], delays: np.ndarray, inside: int
+        self,
+        chunk: tuple[int, ...],
+        table: Crossings,
+        delays: np.ndarray,
+        left_open: np.ndarray,
     ) -> dict[int, np.ndarray]:
         """Return the integrals of the rows that are asked, of each person at each delay.
 
-        They are NaN where they could not be integrated that accurately.
+        They are NaN, and noted in ``left_open``, where rounding leaves open whether the person
+        stands, and where they could not be integrated that accurately.
         """
-        numbers, rigid, table = self.tables(chunk)
+        numbers, rigid = self.people(chunk)
         *_, at = self._places(chunk)
         moved = _moved(self.others)(self.inputs.fixed, self.inputs.pieces(at))
         more = np.stack([np.asarray(entry).ravel() for entry in moved])
@@ -136,21 +155,30 @@ class Delays:
             return np.repeat(values, delays.size, axis=-1)
 
         of_each = each(numbers), each(rigid), np.tile(delays, persons)
-        settles = table.stable_at(delays).astype(bool).ravel() & damped(*of_each)
+        dies_out = damped(*of_each)
         swaying = swaying_of(
             *of_each, each(more[:3]), each(more[3:6]), each(more[6]),
         )  # fmt: skip
         found, sure = variances(
-            self.rows, swaying, settles, accuracy=OF_GRIDS, apply=self.apply
-        )  # fmt: skip
+            self.rows,
+            swaying,
+            table.stable_at(delays).ravel() & dies_out,
+            undecided=table.open_at(delays).ravel() & dies_out,
+            accuracy=OF_GRIDS,
+            apply=self.apply,
+        )
         # a point is left open once, however many of its rows are
-        self._count(chunk, (~sure).any(axis=0).reshape(persons, -1)[:, :inside])
+        left_open |= (~sure).any(axis=0).reshape(persons, -1)
         return dict(zip(self.rows, found.reshape(-1, persons, delays.size), strict=True))
 
     def _roots(
-        self, chunk: tuple[int, ...], delays: np.ndarray, inside: int
+        self, chunk: tuple[int, ...], delays: np.ndarray, left_open: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        numbers, rigid, _ = self.tables(chunk)
+        """Return the rightmost root of each person at each delay, and whether it is proven.
+
+        Where it is not is noted in ``left_open``.
+        """
+        numbers, rigid = self.people(chunk)
         persons = rigid.shape[1]
         root, proven = all_rightmost(
             np.repeat(numbers, delays.size, axis=-1),
@@ -159,7 +187,7 @@ class Delays:
             apply=self.apply,
         )
         proven = proven.reshape(persons, -1)
-        self._count(chunk, ~proven[:, :inside])
+        left_open |= ~proven
         return root.reshape(persons, -1), proven
 
     def _count(self, chunk: tuple[int, ...], left_open: np.ndarray) -> None:

@@ -20,7 +20,7 @@ def columns_of_sway(
     noisy = np.array([each for name, each in there.items() if name in NOISES])
     if not noisy.size:
         return {}
-    found = [swayed(each.numbers, each.stands, SWAY) for each in pieces]
+    found = [swayed(each, SWAY) for each in pieces]
     told = known & noisy.all(axis=0)
     return {
         column_name(name, QUANTITIES[name].unit): np.where(

@@ -58,6 +58,7 @@ OF_FEEDBACK = (
         None,
         without=(NOISE,),
         fed_back=answers.decay_rate,
+        crossings_of="nobody",
         limit=0.0,
     ),
     Quantity(
@@ -68,6 +69,7 @@ OF_FEEDBACK = (
         None,
         without=(NOISE,),
         fed_back=answers.sway_frequency,
+        crossings_of="nobody",
         jumps=True,
     ),
     Quantity(
@@ -78,6 +80,7 @@ OF_FEEDBACK = (
         None,
         without=(NOISE,),
         fed_back=answers.damping_ratio,
+        crossings_of="nobody",
         jumps=True,
         limit=0.0,
     ),

@@ -140,7 +140,7 @@ def _count_fed_back(
     }
     of_sway: dict[str, np.ndarray] = {}
     if sways:
-        of_sway, sure = swayed(found.numbers, found.stands, study.sway)
+        of_sway, sure = swayed(found, study.sway)
         counts["sway"] = np.array(
             [_counted_sway(each, sure, stratum, cohort) for each in of_sway.values()]
         )

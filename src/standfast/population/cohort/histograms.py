@@ -141,7 +141,7 @@ class Histograms:
 
     ``sway`` counts each quantity of sway that is asked in bins of SWAY_BINS_PER_UNIT times its
     number in SI; NO_SWAY is of who has none, because they fall or nothing damps them, OPEN_SWAY of
-    who is too near to falling to say.
+    whom it is open whether they fall, or how much they sway.
     """
 
     classes: np.ndarray  # (strata, heights + 2, BMIs + 2, 2)

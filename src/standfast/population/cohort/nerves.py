@@ -36,6 +36,7 @@ class FedBackPersons:
     critical_delay: np.ndarray  # s
     stands: np.ndarray  # at the own delay
     uncertain: np.ndarray  # rounding leaves something open
+    undecided: np.ndarray  # it leaves open whether they stand at the own delay
 
     @property
     def delay_margin(self) -> np.ndarray:
@@ -98,7 +99,7 @@ def judged(found: Mapping[str, np.ndarray]) -> FedBackPersons:
     size = found["springs"].size
     apply = in_batches if size > FEW else directly
     critical = np.empty(size)
-    stands, uncertain = np.empty(size, bool), np.empty(size, bool)
+    stands, uncertain, undecided = np.empty((3, size), bool)
     for first in range(0, size, TOGETHER):
         at = slice(first, min(first + TOGETHER, size))
         matrices = np.stack([found[name][at] for name in ENTRIES]).reshape(5, 3, 3, -1)
@@ -107,12 +108,13 @@ def judged(found: Mapping[str, np.ndarray]) -> FedBackPersons:
         critical[at] = table.critical_delay()
         stands[at] = table.stable_each(found["feedback_delay"][at])
         uncertain[at] = table.uncertain
+        undecided[at] = table.open_each(found["feedback_delay"][at])
         # who has no feedback stands by springs, at every delay or at none
         alone, held = table.by_springs, found["springs"][at]
         stands[at][alone] = held[alone]
         critical[at][alone] = np.where(held[alone], np.inf, 0.0)
         uncertain[at][alone] = False
-    return FedBackPersons(found, critical, stands, uncertain)
+    return FedBackPersons(found, critical, stands, uncertain, undecided)
 
 
 def delay_margins(cohort: Cohort, numbers: np.ndarray) -> dict[str, np.ndarray]:

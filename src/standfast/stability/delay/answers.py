@@ -14,17 +14,23 @@ from standfast.stability.delay.table import Crossings
 
 @dataclass(frozen=True)
 class FedBack:
-    """Persons with delayed feedback: their crossings, the delays that are asked, their roots.
+    """Persons with delayed feedback: the delays that are asked, their crossings, their roots.
 
-    ``find_roots`` gives the rightmost root of each person at each delay, (persons, delays), and
-    whether it is proven; ``find_variances`` the integrals of rows of the densities of sway,
-    (persons, delays) each. Both are asked once, and only by who needs them.
+    ``find_crossings`` gives the crossings of whom the quantities need; ``find_roots`` the rightmost
+    root of each person at each delay, (persons, delays), and whether it is proven;
+    ``find_variances`` the integrals of rows of the densities of sway, (persons, delays) each. Each
+    is asked once, and only by who needs it.
     """
 
-    crossings: Crossings
     delays: np.ndarray
+    find_crossings: Callable[[], Crossings]
     find_roots: Callable[[], tuple[np.ndarray, np.ndarray]]
     find_variances: Callable[[], Mapping[int, np.ndarray]]
+
+    @cached_property
+    def crossings(self) -> Crossings:
+        """The crossings of each person."""
+        return self.find_crossings()
 
     @cached_property
     def roots(self) -> np.ndarray:

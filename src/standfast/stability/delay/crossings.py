@@ -65,7 +65,7 @@ def crossings_of(
     """Find all crossings of persons whose matrices are ``numbers``, (5, n, n, persons).
 
     A critical delay needs crossings ``of`` who stands at once, without delay, a verdict of who may
-    stand at any; those of others may be missing. Without ``boxes`` more persons stay uncertain.
+    stand at any, a rightmost root nobody's; those of others may be missing. Without ``boxes`` more persons stay uncertain.
     """
     if problem.rank == 0:
         return _without_feedback(numbers[2])
@@ -97,6 +97,7 @@ def _asked(of: Whom, unstable: np.ndarray, neutral: np.ndarray) -> np.ndarray:
     """Return of whom crossings are looked for."""
     everybody = np.ones(unstable.shape, bool)
     asked: np.ndarray = {
+        "nobody": ~everybody,
         "who stands at once": (unstable == 0) & ~neutral,
         "who may stand": (unstable % 2 == 0) & ~neutral,
         "everybody": everybody,

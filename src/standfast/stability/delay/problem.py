@@ -44,7 +44,7 @@ class Problem(NamedTuple):
 
 # Of whom crossings are wanted, from few to all. Real roots cross at 0 alone, so that an odd number
 # of roots to the right stays odd: such a person stands at no delay.
-Whom: TypeAlias = Literal["who stands at once", "who may stand", "everybody"]
+Whom: TypeAlias = Literal["nobody", "who stands at once", "who may stand", "everybody"]
 
 
 def most_of(needs: Iterable[Whom]) -> Whom:

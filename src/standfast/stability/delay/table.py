@@ -5,7 +5,7 @@ comparison with a few numbers, and the delays of a study cost next to nothing on
 there.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,7 @@ import numpy as np
 from standfast.numerics.arrays import TURN
 
 CROSSING = 1.0 + 1e-12  # ratio of delays that a crossing's rounding does not tell apart
+BESIDE = CROSSING**3  # from any delay that is taken for a crossing's to one that is not
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,6 +98,26 @@ class Crossings:
             for number in np.flatnonzero(last > first):
                 stable[person[number], first[number] : last[number]] = False
         return stable
+
+    def open_each(self, delay: np.ndarray) -> np.ndarray:
+        """Return of whom rounding leaves it open at the own delay, bool, as :meth:`open_at`."""
+        return self._left_open(self.stable_each, delay)
+
+    def open_at(self, delays: np.ndarray) -> np.ndarray:
+        """Return where rounding leaves the verdict open, (persons, rising delays), bool.
+
+        That is of who is uncertain, and at the delay of a crossing beside which the person stands.
+        Of who has no feedback springs decide, and nothing is open.
+        """
+        return self._left_open(self.stable_at, delays)
+
+    def _left_open(
+        self, stable: Callable[[np.ndarray], np.ndarray], delay: np.ndarray
+    ) -> np.ndarray:
+        found: np.ndarray = stable(delay / BESIDE) | stable(delay * BESIDE)
+        found &= ~stable(delay)
+        found[self.uncertain & ~self.by_springs] = True
+        return found
 
     def settle(self, person: int, *, stands: bool) -> None:
         """Note for a person without feedback what exact arithmetic says: whether it stands."""

@@ -15,6 +15,7 @@ from standfast.mechanics.joints import Stiffness
 from standfast.mechanics.matrices import joint_gravity
 from standfast.numerics.arrays import TURN, Array, Scalar
 from standfast.parameters import JOINTS, PARAMETERS, STANDARD_GRAVITY, checked_number
+from standfast.stability.delay.persons import all_crossings
 from standfast.stability.feedback import WRITE, checked_numbers, is_stable
 from standfast.stability.sway.density import COM, COP, PAIRS, Swaying, densities
 from standfast.stability.sway.integral import integrals
@@ -225,9 +226,15 @@ def checked_swaying(
     feedback: Feedback | None,
     noise: Any,
 ) -> tuple[Swaying, bool, bool]:
-    """Check what a public function is given; return the person, if it stands, and if damped."""
+    """Check what a public function is given; return the person, if it stands, and if damped.
+
+    Of whom rounding leaves that open, at the very delay of a crossing or with a root at 0, it is
+    open too whether there is any sway: an ArithmeticError.
+    """
     numbers, rigid, delay = checked_numbers(function, body, stiffness, gravity, damping, feedback)
     stands = is_stable(body, stiffness, gravity, damping=damping, feedback=feedback)
+    if not stands and all_crossings(numbers, rigid).open_each(np.array([delay]))[0]:
+        raise ArithmeticError("rounding leaves open whether the person stands, and so sways")
     swaying = swaying_alone(body, gravity, numbers, rigid, delay, _checked_noise(noise))
     return swaying, stands, bool(damped(numbers, rigid, swaying.delay)[0])
 

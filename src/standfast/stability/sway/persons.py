@@ -85,19 +85,23 @@ def variances(
     swaying: Swaying,
     settles: np.ndarray,
     *,
+    undecided: np.ndarray | None = None,
     accuracy: float = ACCURACY,
     apply: Apply = directly,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the integrals of rows of densities, and whether each is that accurate.
 
     Both are (rows, persons); rows that are asked together cost little more than one. Integrals are
-    infinite of whom motion does not ``settle``, because they fall or are not :func:`damped`, if
-    noise moves anything of them; NaN where they are not that accurate, too near to falling.
+    infinite of whom motion does not settle, because they fall or are not :func:`damped`, if noise
+    moves anything of them; NaN of whom it is ``undecided`` whether it does, and where they are not
+    that accurate, too near to falling.
     """
     moved = (swaying.noise > 0.0).any(axis=0)
     found = np.tile(np.where(moved, np.inf, 0.0), (len(rows), 1))
     sure = np.ones(found.shape, bool)
-    who = np.flatnonzero(moved & settles)
+    if undecided is not None:
+        sure[:, moved & undecided] = False
+    who = np.flatnonzero(moved & settles & sure[0])
     if who.size:
         some = Swaying(*(each.take(who, axis=-1) for each in swaying))
         found[:, who], sure[:, who] = integrals(rows, some, accuracy=accuracy, apply=apply)

@@ -80,8 +80,8 @@ def _moved(
     turned: tuple[np.ndarray, np.ndarray],
 ) -> np.ndarray:
     """Return dF: F of the gains that change, and −iω dτ times F of all gains alone."""
-    by_gains = (matrix[block][..., None] for matrix in (change.proportional, change.derivative))
-    found = _complex(moment(0.0, 0.0, *by_gains, omega, turned))
+    p, d = (matrix[block][..., None] for matrix in (change.proportional, change.derivative))
+    found = _complex(moment(0.0, 0.0, p, d, omega, turned))
     if change.delay:
         found -= 1j * omega * change.delay * _complex(moment(0.0, 0.0, *gains, omega, turned))
     return found

@@ -1,5 +1,6 @@
 """Populations with noise: how much who stands sways, against persons one by one."""
 
+import copy
 import csv
 import json
 import math
@@ -11,6 +12,7 @@ import pytest
 import standfast as sf
 from populations import ANKLES, RIGID, changed, counted, law, of
 from standfast.cli.app import main
+from standfast.cli.population_text import print_summary
 from standfast.parameters import LOOPS, gain_name
 from standfast.population.cohort.cohort import cohort_of
 from standfast.population.cohort.counting import Block, count_block
@@ -195,6 +197,80 @@ def test_who_is_too_near_to_falling_has_no_sway_told(tmp_path, monkeypatch, caps
         assert np.isnan(assessed.columns[name]).tolist() == [True, False], name
 
 
+def on_the_boundary(which):
+    """Two bodies of people, their springs and nerves: the first, or both, right where they fall."""
+    bodies = [sf.Body.from_height_mass(*of_one) for of_one in ((1.7, 70.0), (1.72, 72.0))]
+    if which == "gain":  # springs and gain together hold exactly what topples, of everybody
+        ankle, gain = (law("fixed", "mgh", value=part) for part in (0.4, 0.6))
+        delay = 0.1
+    else:
+        ankle = gain = law("fixed", value=400.0)
+        feedback = sf.Feedback((400.0, 0, 0), (200.0, 0, 0), 0.0)
+        springs = sf.Stiffness(400.0, math.inf, math.inf)
+        how = {"gravity": G, "damping": (30, 0, 0), "feedback": feedback}
+        delay = float(sf.critical_delay(bodies[0], springs, **how))
+        how["feedback"] = feedback._replace(delay=delay)
+        with pytest.raises(ArithmeticError, match="leaves open whether the person stands"):
+            sf.sway_covariance(bodies[0], springs, **how)
+        assert math.isfinite(sf.sway_covariance(bodies[1], springs, **how)[0, 0])
+        # a billionth later it falls for sure
+        how["feedback"] = feedback._replace(delay=(1.0 + 1e-9) * delay)
+        assert math.isinf(sf.sway_covariance(bodies[0], springs, **how)[0, 0])
+    return {
+        "gravity": G,
+        "population": {"people": "people.csv", "size": 40, "seed": 1},
+        "stiffness": {"ankle": ankle, "knee": RIGID, "hip": RIGID},
+        "damping": {"ankle": 30.0},
+        "feedback": {
+            "delay": law("fixed", value=delay),
+            "proportional": {"ankle": gain},
+            "derivative": {"ankle": law("fixed", value=200.0)},
+        },
+        "noise": {"ankle": 1.0},
+        "output": {"persons": True, "quantities": ["ankle_sway", "cop_frequency"]},
+    }
+
+
+@pytest.mark.parametrize("which", ["delay", "gain"])
+def test_who_stands_right_on_the_boundary_is_left_open_and_not_counted_as_fallen(
+    which, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "people.csv").write_text("height,mass\n1.7,70\n1.72,72\n", encoding="utf-8")
+    content = on_the_boundary(which)
+    population = sf.simulate(PopulationStudy.from_dict(content, folder=tmp_path), "two.h5")
+    near = (population.array("person_height") < 1.71) | (which == "gain")
+    left_open = int(near.sum())
+    assert left_open > 0
+    assert population.summary["left_open_by_rounding"] == left_open
+    for name in ("ankle_sway", "cop_frequency"):
+        values = population.array(f"person_{name}")
+        assert (np.isnan(values) == near).all()
+        assert np.isfinite(values[~near]).all()
+        told = population.summary["sway"][name]["all"]
+        # nobody is among those who have no sway
+        assert (told["swaying"], told["left_open"]) == (40 - left_open, left_open)
+    print_summary(population.summary)
+    assert (
+        f"the other 0 persons have none, and are not in it; of {left_open} persons more it is"
+        in (capsys.readouterr().out)
+    )
+    if which == "delay":
+        gains = {"proportional": {"ankle": 400.0}, "derivative": {"ankle": 200.0}}
+        delay = content["feedback"]["delay"]["value"]
+        assessed = sf.assess(
+            "people.csv",
+            otherwise={"ankle": 400.0, "knee": math.inf, "hip": math.inf},
+            gravity=G,
+            nerves={
+                "damping": {"ankle": 30.0},
+                "feedback": {"delay": delay, **gains},
+                "noise": {"ankle": 1.0},
+            },
+        )
+        assert np.isnan(assessed.columns["ankle_sway_rad"]).tolist() == [True, False]
+
+
 TOLD = ("cop_sway", "cop_frequency")
 
 
@@ -229,6 +305,25 @@ def test_quantiles_are_those_of_the_persons(method, tmp_path):
         assert file.attrs["format_version"] == 5
         assert file["cop_sway"].attrs["units"] == b"m"
         assert file["person_cop_sway"].attrs["units"] == b"m"
+
+
+def test_counts_that_differ_between_quantities_are_told_of_each(tmp_path, capsys):
+    """An integral may be open where another of the same person is not."""
+    study = of({**NOISY, "output": {"persons": True, "quantities": [*TOLD]}}, size=600)
+    summary = copy.deepcopy(sf.simulate(study, tmp_path / "p.h5").summary)
+    swaying, all_of = (summary["sway"][TOLD[0]]["all"][n] for n in ("swaying", "persons"))
+    print_summary(summary)
+    none = f"(the other {all_of - swaying} persons have none, and are not in it"
+    who = "persons who stand and are damped"
+    told = capsys.readouterr().out
+    assert f"97.5 %] of the {swaying} of {all_of} {who}\n  {none})\n" in told
+    assert "cop sway:" not in told
+    summary["sway"][TOLD[1]]["all"] |= {"swaying": swaying - 5, "left_open": 5}
+    print_summary(summary)
+    told = capsys.readouterr().out
+    assert f"97.5 %] of\n  cop sway: the {swaying} of {all_of} {who}\n  {none})\n" in told
+    of_other = f"  cop frequency: the {swaying - 5} of {all_of} {who}\n  {none}"
+    assert f"{of_other}; of 5 persons more it is open)\n" in told
 
 
 def test_noise_is_drawn_after_all_else():

@@ -77,16 +77,7 @@ def _print_delays(summary: Mapping[str, Any]) -> None:
 
 def _print_sway(sway: Mapping[str, Any]) -> None:
     """Print median and the middle 95 % of each quantity of sway, of all and by class."""
-    everybody = next(iter(sway.values()))["all"]
-    persons, swaying = everybody["persons"], everybody["swaying"]
-    left_open = everybody["left_open"]
-    none = counted(persons - swaying - left_open, "person")
-    open_of = f"; of {counted(left_open, 'person')} more it is open" if left_open else ""
-    print(
-        f"\nsway under noise: median [2.5 %, 97.5 %] of the {swaying:,} of "
-        f"{counted(persons, 'person')} who stand and are damped\n  (the other {none} have none, "
-        f"and are not in it{open_of})"
-    )
+    _print_who_sways(sway)
     heads = [
         f"{name.replace('_', ' ')}, {SWAY_PRINTED[of['unit']][0]}" for name, of in sway.items()
     ]
@@ -102,6 +93,27 @@ def _print_sway(sway: Mapping[str, Any]) -> None:
         units = [SWAY_PRINTED[of["unit"]][1] for of in sway.values()]
         words = map(_middle, found, units)
         print(f"  {label or 'all':16}" + "".join(f"{each:>24}" for each in words))
+
+
+def _print_who_sways(sway: Mapping[str, Any]) -> None:
+    """Print how many sway, have none, and are open: once for quantities that agree in it."""
+    sentences: dict[str, list[str]] = {}
+    for name, of in sway.items():
+        persons, swaying, left_open = (of["all"][n] for n in ("persons", "swaying", "left_open"))
+        none = counted(persons - swaying - left_open, "person")
+        open_of = f"; of {counted(left_open, 'person')} more it is open" if left_open else ""
+        sentence = (
+            f"the {swaying:,} of {counted(persons, 'person')} who stand and are damped\n  (the "
+            f"other {none} have none, and are not in it{open_of})"
+        )
+        sentences.setdefault(sentence, []).append(name.replace("_", " "))
+    heading = "\nsway under noise: median [2.5 %, 97.5 %] of"
+    if len(sentences) == 1:
+        print(f"{heading} {next(iter(sentences))}")
+        return
+    print(heading)
+    for sentence, names in sentences.items():
+        print(f"  {', '.join(names)}: {sentence}")
 
 
 def _middle(found: Mapping[str, Any], factor: float) -> str:

@@ -65,7 +65,8 @@ def crossings_of(
     """Find all crossings of persons whose matrices are ``numbers``, (5, n, n, persons).
 
     A critical delay needs crossings ``of`` who stands at once, without delay, a verdict of who may
-    stand at any, a rightmost root nobody's; those of others may be missing. Without ``boxes`` more persons stay uncertain.
+    stand at any, a rightmost root of nobody; those of others may be missing. Without ``boxes`` more
+    persons stay uncertain.
     """
     if problem.rank == 0:
         return _without_feedback(numbers[2])

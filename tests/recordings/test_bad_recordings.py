@@ -185,6 +185,17 @@ SHORT = {
     "names": of(kept=slice(0, 600)),
     "forces": "Rate: 100\n" + table(PLATE[1:], [each[:600] for each in FORCES[2:5]], "\t"),
     "commas": of(kept=slice(0, 600), separator=";", comma=True),
+    "plates": table(
+        [
+            "t",
+            *(
+                f"{name}{k} ({unit})"
+                for k in (1, 2)
+                for name, unit in (("Fz", "N"), ("Mx", "Nm"), ("My", "Nm"))
+            ),
+        ],
+        [each[:600] for each in (TIME, *FORCES[2:5], *FORCES[2:5])],
+    ),
 }
 
 
@@ -203,7 +214,7 @@ SHORT = {
         min_size=1,
         max_size=6,
     ),
-    st.sampled_from([{}, {"ap": "y"}, {"rate": 100}, {"unit": "mm"}, {"ap": "2", "ml": "3"}]),
+    st.sampled_from([{}, {"ap": "y"}, {"rate": 100}, {"unit": "mm"}, {"ap": "2", "ml": "3"}, {"plate": {"2": (0, 0.6)}}]),
 )  # fmt: skip
 def test_an_altered_file_gives_a_recording_or_a_sentence(tmp_path_factory, which, cuts, options):
     raw = SHORT[which].encode()

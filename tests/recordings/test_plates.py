@@ -174,6 +174,10 @@ LEFT_ALONE = table(["t", "Left CoPx (mm)", "Left CoPy (mm)"], [TIME, MM * AP, MM
 NO_LOADS = table(
     ["t", "COPx1 (mm)", "COPy1 (mm)", "COPx2 (mm)", "COPy2 (mm)"], [TIME, *(MM * AP, MM * ML) * 2]
 )
+ONE_LOAD = table(
+    ["t", "COPx (mm)", "COPy (mm)", "Fz1 (N)"],
+    [TIME, MM * AP, MM * ML, np.where((TIME > 20) & (TIME < 21), 4.0, 700.0)],
+)
 STEPS = np.where((TIME > 20) & (TIME < 21), 0.01, 1.0)
 OFF = named(
     "{name}{k}",
@@ -192,6 +196,7 @@ REFUSED = {
     "no load": (NO_LOADS, {"plate": {"2": PLACE}}, "Fz of plate 1 is missing"),
     "moments of one of two": (MOMENTS_OF_ONE, {"plate": {"2": PLACE}}, "Mx and My of plate 2 are missing"),
     "a foot": (LEFT_ALONE, {}, "only what is under the left foot is there"),
+    "stepping off the only load": (ONE_LOAD, {}, "Fz falls from 700 to 4 N in line 2003: the person is not"),
     "stepping off": (OFF, {"plate": {"2": PLACE}}, "N in line 2004: the person is not on the plate all the time"),
 }  # fmt: skip
 

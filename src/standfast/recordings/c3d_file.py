@@ -34,13 +34,16 @@ def opened_c3d(raw: bytes) -> "C3dFile":
         with warnings.catch_warnings():  # of what is odd in a file and does not matter here
             warnings.simplefilter("ignore")
             reader = c3d.Reader(io.BytesIO(raw))
-            frames = [analog for _, _, analog in reader.read_frames(copy=False, check_nan=False)]
+            # frames without samples would be read for as long as a broken file says
+            sampled = reader.analog_used * reader.analog_per_frame > 0
+            some = reader.read_frames(copy=False, check_nan=False) if sampled else ()
+            frames = [analog for _, _, analog in some]
             groups = {name: reader.get(name) for name in ("POINT", "ANALOG", "FORCE_PLATFORM")}
             rate, expected = float(reader.analog_rate), int(reader.frame_count)
     except Exception as error:  # whatever a broken file makes of the package
         why = shortened(" ".join(str(error).split()))
         raise InputError(f"it is a C3D file that cannot be read: {why}") from None
-    if groups["FORCE_PLATFORM"] is None or not frames or not frames[0].size:
+    if groups["FORCE_PLATFORM"] is None or not frames:
         raise InputError("the C3D file has no force plate (FORCE_PLATFORM), or no analog channels")
     said = []
     if len(frames) < expected:

@@ -23,7 +23,7 @@ from standfast.numerics.arrays import Array
 from standfast.recordings.c3d_file import C3dFile, opened_c3d
 from standfast.recordings.centre import Wanted
 from standfast.recordings.columns import UNITS, compact, unit_of
-from standfast.recordings.plates import Plate, names_read, person_on
+from standfast.recordings.plates import CARRIES, Plate, median_of, names_read, person_on
 
 # What the channels of each type of plate hold; of type 4 what comes out of its matrix.
 SIX = ("force",) * 3 + ("moment",) * 3
@@ -212,12 +212,12 @@ def _of_sensors(signal: Array, origin: Array) -> tuple[Array, Array, Array]:
 
 def _check_beside(plates: list[Plate], shapes: list[_Shape], floor: list[int]) -> None:
     """Refuse a centre of pressure beside the plate that carries it."""
-    loads = [abs(float(np.nanmedian(plate.load))) for plate in plates]
+    loads = [abs(median_of(plate.load)) for plate in plates]
     for plate, shape, load in zip(plates, shapes, loads, strict=True):
-        if load < 0.05 * sum(loads):
+        if load < CARRIES * sum(loads):
             continue
         x, y = (
-            float(np.nanmedian(each / plate.load)) - shape.middle[axis]
+            median_of(each / plate.load) - shape.middle[axis]
             for each, axis in zip((plate.first, plate.second), floor, strict=True)
         )
         if not np.hypot(x, y) <= BESIDE * shape.reach:

@@ -99,7 +99,7 @@ def _of_plates(
     }
     if measured and len(own) == 1:
         (columns,) = own.values()
-        loads: Found = {"Fz": [load]} if (load := columns["Fz"]) else {}
+        loads: Found = {"Fz": [load]} if (load := columns["Fz"]) else found
         return _pair(table, loads, [columns[axis] for axis in axes], wanted.unit), []
     plates = [
         _loaded(table, name, columns, axes, wanted.unit)

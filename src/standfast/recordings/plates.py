@@ -137,7 +137,7 @@ def person_on(
     InputError
         if nobody stands there, or somebody not all the time, or it is not known where plates lie.
     """
-    median = {plate.name: _median(plate.load) for plate in plates}
+    median = {plate.name: median_of(plate.load) for plate in plates}
     whole = sum(map(abs, median.values()))
     carrying = [plate for plate in plates if abs(median[plate.name]) >= CARRIES * whole]
     said = []
@@ -166,7 +166,8 @@ def person_on(
     return np.asarray(first / load), np.asarray(second / load), said
 
 
-def _median(load: Array) -> float:
+def median_of(load: Array) -> float:
+    """Return the median of what is there, 0 of nothing."""
     there = load[np.isfinite(load)]
     return float(np.median(there)) if there.size else 0.0
 

@@ -15,7 +15,7 @@ import populations
 import standfast as sf
 from c3d_files import Plate, person, write_c3d
 from pages import commands_of, not_printed, run_page, words_of
-from recordings import plate, sway, table
+from recordings import sway, table, write_two_plates
 from standfast.quantities import QUANTITIES
 from standfast.study import grid
 from studies import GOOD, toml_of
@@ -104,11 +104,7 @@ def a_recording(name: str) -> None:
 
 
 def on_two_plates(name: str) -> None:
-    """Half of a person on each of two plates, 0.6 m apart along y."""
-    time, (_, _, fz, mx, my, _), _ = plate()
-    names = ["t (s)", "Fz1 (N)", "Mx1 (Nm)", "My1 (Nm)", "Fz2 (N)", "Mx2 (Nm)", "My2 (Nm)"]
-    half = [0.5 * each for each in (fz, mx, my)]
-    Path(name).write_text(table(names, [time, *half, *half], decimals=7), encoding="utf-8")
+    write_two_plates(Path(name))
 
 
 def in_c3d(name: str) -> None:

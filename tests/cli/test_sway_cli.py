@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import standfast as sf
-from recordings import plate, sway, table
+from recordings import sway, table, write_two_plates
 from standfast.cli.app import main
 from standfast.figures.recording import course, spectra, statokinesigram
 from standfast.figures.style import paper_figure
@@ -166,12 +166,8 @@ def test_the_help_has_an_example_that_runs(files, capsys, monkeypatch):
 
 @pytest.fixture
 def two_plates(tmp_path):
-    """A person on both of two plates, half on each, 0.6 m apart along y."""
-    time, (_, _, fz, mx, my, _), _ = plate()
-    names = ["t (s)", "Fz1 (N)", "Mx1 (Nm)", "My1 (Nm)", "Fz2 (N)", "Mx2 (Nm)", "My2 (Nm)"]
-    half = [0.5 * each for each in (fz, mx, my)]
     path = tmp_path / "two.csv"
-    path.write_text(table(names, [time, *half, *half], decimals=7), encoding="utf-8")
+    write_two_plates(path)
     return path
 
 

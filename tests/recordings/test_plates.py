@@ -155,6 +155,38 @@ def test_opensim_is_in_one_frame_with_y_up(tmp_path):
             read(tmp_path, text, ap="y")
 
 
+@pytest.mark.parametrize("nothing", [0.0, np.nan])
+def test_a_foot_that_is_lifted_for_a_time_counts_for_nothing(tmp_path, nothing):
+    """Programs write 0, or no centre of pressure, for a plate without a load."""
+    alone = (TIME > 20.0) & (TIME < 22.0)
+    f1 = np.where(alone, WHOLE[2], SHARE * WHOLE[2])
+    f2 = WHOLE[2] - f1
+    x2 = np.where(alone, nothing, MM * (AP + 0.02))
+    x1 = np.where(alone, MM * AP, MM * (AP * WHOLE[2] - (AP + 0.02) * f2) / f1)
+    y1, y2 = MM * ML, np.where(alone, nothing, MM * ML)
+    text = table(
+        ["t (s)", *OF_CENTRES["centres of pressure"]], [TIME, f1, x1, y1, f2, x2, y2], decimals=8
+    )
+    is_the_whole(read(tmp_path, text, plate={"2": (0, 0)}))
+
+
+def test_cortex_has_all_plates_in_one_frame(tmp_path):
+    """Those on which nobody stands have a load of 0 in the middle of the plate."""
+    centre = [MM * AP, MM * ML, 0 * TIME]
+    empty = [*[0 * TIME] * 3, 0 * TIME + 1506.0, 0 * TIME - 203.0, *[0 * TIME] * 2]
+    names = "\t".join(
+        f"{of}{k}" for k in (1, 2, 3) for of in ("FX", "FY", "FZ", "X", "Y", "Z", "MZ")
+    )
+    text = "[Force Data]\nNumberOfForcePlates=3\nSampleRate=100.000000\nNumberOfSamples=6000\n#Sample\t"
+    feet = [
+        [*(share * each for each in WHOLE[:3]), *centre, 0 * TIME] for share in (SHARE, 1 - SHARE)
+    ]
+    numbers = table(None, [np.arange(TIME.size), *feet[0], *empty, *feet[1]], "\t", 8)
+    found = read(tmp_path, f"{text}{names}\n{numbers}", unit="mm", plate={"3": (0, 0)})
+    is_the_whole(found)
+    assert any("0 N on 2" in remark for remark in found.remarks)
+
+
 def test_a_plate_on_which_nobody_stands_is_left_out_and_told(tmp_path):
     random = np.random.default_rng(5)
     empty = [random.normal(size=TIME.size) for _ in NAMES]

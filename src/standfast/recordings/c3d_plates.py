@@ -186,7 +186,6 @@ def _about_middle(
         for kind, unit in zip(HELD[shape.type], units, strict=True)
     ]
     signal = np.array(factors)[:, None] * signal
-    signal = np.where((signal == 0.0).all(axis=0), np.nan, signal)  # nothing was measured
     if shape.type == 1:
         return signal[2], signal[2] * signal[3], signal[2] * signal[4]
     force, moment, arm = signal[:3], signal[3:], shape.origin

@@ -132,8 +132,9 @@ def _pair(
     if len(loads) != 1:
         x, y = numbers_in(table, [first.place, second.place])
         return factors[0] * x, factors[1] * y
-    load, x, y = _numbers(table, [loads[0], first, second])
-    x, y = factors[0] * x, factors[1] * y
+    load, x, y = numbers_in(table, [loads[0].place, first.place, second.place])
+    nothing = (load == 0.0) & (x == 0.0) & (y == 0.0)  # nothing was measured there
+    x, y = (np.where(nothing, np.nan, f * each) for f, each in zip(factors, (x, y), strict=True))
     plate = Plate("", (loads[0].unit or 1.0) * load, load * x, load * y)
     person_on([plate], Choice(), lambda at: f"in line {table.lines[at]}")
     return x, y
@@ -149,9 +150,13 @@ def _loaded(
     """Return a plate of which the centre of pressure and the load are there."""
     load, first, second = _there(table, name, columns, ("Fz", *axes))
     x, y = (_factor(column, unit, "length") for column in (first, second))
-    numbers = _numbers(table, [load, first, second])
+    numbers = numbers_in(table, [load.place, first.place, second.place])
     force = (load.unit or 1.0) * numbers[0]
-    return Plate(name, force, force * x * numbers[1], force * y * numbers[2])
+    # without a load, some programs write no centre of pressure, which then does not count
+    each = (
+        np.where(force == 0.0, 0.0, force * f * n) for f, n in zip((x, y), numbers[1:], strict=True)
+    )
+    return Plate(name, force, *each)
 
 
 def _of_moments(
@@ -164,7 +169,8 @@ def _of_moments(
         _factor(column, wanted.unit, "moment") if place in (1, 2) else column.unit or 1.0
         for place, column in enumerate(some)
     ]
-    numbers = [f * each for f, each in zip(factors, _numbers(table, some), strict=True)]
+    columns_of = numbers_in(table, [column.place for column in some])
+    numbers = [f * each for f, each in zip(factors, columns_of, strict=True)]
     load, mx, my = numbers[:3]
     fx, fy = numbers[3:] if d else (0.0, 0.0)
     return Plate(name, load, d * fx - my, d * fy + mx)
@@ -187,13 +193,6 @@ def _there(
         )
         raise InputError(f"{what}; {WRITE} {listed(table.names)}")
     return [column for column in found if column is not None]
-
-
-def _numbers(table: Table, columns: Sequence[Column]) -> list[Array]:
-    """Return columns of a plate as numbers; none where all are 0: nothing was measured there."""
-    numbers = numbers_in(table, [column.place for column in columns])
-    nothing = np.logical_and.reduce([each == 0.0 for each in numbers])
-    return [np.where(nothing, np.nan, each) for each in numbers]
 
 
 def _factor(column: Column, unit: str | None, kind: str) -> float:

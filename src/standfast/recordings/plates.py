@@ -154,7 +154,8 @@ def person_on(
         )
         for k, axis in enumerate(("first", "second"))
     )
-    _check_load(np.asarray(load), where)
+    load = np.where(load == 0.0, np.nan, load)  # exactly: nothing was measured
+    _check_load(load, where)
     if len(carrying) > 1:
         parts = " and ".join(
             f"{plate.name} ({abs(median[plate.name]):.3g} N"
@@ -163,7 +164,7 @@ def person_on(
             for plate in carrying
         )
         said.append(f"the centre of pressure is that of all that stands on plates {parts}")
-    return np.asarray(first / load), np.asarray(second / load), said
+    return first / load, second / load, said
 
 
 def median_of(load: Array) -> float:
@@ -196,7 +197,8 @@ def _check_load(load: Array, where: Callable[[int], str]) -> None:
     median = float(np.median(size)) if size.size else 0.0
     if median < LIGHTEST:
         raise InputError(
-            f"Fz is {median:.3g} N in the median, so nobody stands on the plate, or it is not in N"
+            f"Fz is {median:.3g} N in the median, so nobody stands on the plate, or it is not in "
+            "N, or z is not upright"
         )
     if size.min() < OFF_PLATE * median:
         at = int(np.flatnonzero(there)[np.argmax(size < OFF_PLATE * median)])

@@ -28,7 +28,7 @@ NOTHING = {
 }  # fmt: skip
 TRIED = 200  # lines in the middle by which the separator is found
 MOST_ABOVE = 2000  # lines before the table
-RATE = re.compile(r"(?:\brate\b|freq\w*|\bhz\b)", re.IGNORECASE)
+RATE = re.compile(r"(?:(?:\b|sample|frame|_)rate\b|freq\w*|\bhz\b)", re.IGNORECASE)
 FILTER = re.compile(r"filter|cut|pass|multiple", re.IGNORECASE)
 OF_PLATES = re.compile(r"plate|platform|force|moment|cop\b", re.IGNORECASE)
 ONE_NUMBER = re.compile(r"(?<![\w.,])\d+(?:[.,]\d+)?(?![\w]*\d)")

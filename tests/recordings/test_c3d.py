@@ -8,7 +8,7 @@ import pytest
 import standfast as sf
 from c3d_files import MATRIX, Plate, person, write_c3d
 
-pytest.importorskip("c3d")
+c3d = pytest.importorskip("c3d")
 ezc3d = pytest.importorskip("ezc3d")
 
 TIME, FORCE, POINT = person()
@@ -186,6 +186,16 @@ def test_a_file_that_is_cut_off_is_read_and_told(tmp_path):
     found = sf.read_recording(path)
     np.testing.assert_allclose(found.ap, POINT[0][: found.ap.size], rtol=0, atol=FLOAT32)
     assert any("the file is cut off after" in remark for remark in found.remarks)
+
+
+def test_frames_without_samples_are_not_gone_through(tmp_path, monkeypatch):
+    """A broken file may say that it has four thousand million of them."""
+    path = write_c3d(tmp_path / "a.c3d", [Plate()], [(FORCE, POINT)])
+    monkeypatch.setattr(c3d.Reader, "_check_metadata", lambda _: None)
+    monkeypatch.setattr(c3d.Reader, "analog_used", 0)
+    monkeypatch.setattr(c3d.Reader, "read_frames", lambda *_, **__: pytest.fail("goes through"))
+    with pytest.raises(sf.InputError, match=r"no force plate .* or no analog channels"):
+        sf.read_recording(path)
 
 
 def test_an_altered_file_gives_a_recording_or_a_sentence(tmp_path):

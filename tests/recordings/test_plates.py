@@ -127,6 +127,20 @@ def test_centres_of_pressure_are_weighted_by_their_loads(tmp_path, name):
     is_the_whole(read(tmp_path, text, plate={second: PLACE}))
 
 
+def test_vicon_names_plates_in_the_line_above(tmp_path):
+    """With centres of pressure, and with plates that have words for names."""
+    above = ",,Left Plate - Force,,,Left Plate - CoP,,,Plate B - Force,,,Plate B - CoP"
+    names = "Frame,Sub Frame," + ",".join(2 * ["Fx,Fy,Fz,Cx,Cy,Cz"])
+    units = ",," + ",".join(2 * ["N,N,N,mm,mm,mm"])
+    none = 0 * TIME
+    both = [each for fz, x, y in centres() for each in (none, none, -fz, MM * x, MM * y, none)]
+    numbers = table(None, [np.arange(TIME.size), none, *both], decimals=8)
+    text = f"Devices\n100\n{above}\n{names}\n{units}\n{numbers}"
+    is_the_whole(read(tmp_path, text, plate={"plateb": PLACE}))
+    with pytest.raises(sf.InputError, match="stands on plates leftplate and plateb"):
+        read(tmp_path, text)
+
+
 def test_kistler_has_the_same_names_for_each_plate(tmp_path):
     both = [each for fz, x, y in centres() for each in (0 * fz, 0 * fz, fz, fz, x, y)]
     names = "abs time (s)\t" + "\t".join(2 * ["Fx\tFy\tFz\t|Ft|\tAx\tAy"])

@@ -3,12 +3,11 @@
 What the parameters mean is that of the format's guide (c3d.org). Corners 1 to 4 of a plate stand in
 the quadrants (+, +), (−, +), (−, −), (+, −) of its own axes x and y, and so give these axes and the
 middle of its surface in the laboratory. ORIGIN o leads from the plate's transducers to that middle,
-along the plate's axes, z down. Moments M about the transducers are those about the middle less
+along the plate's axes, z down. Moments M about the middle are those about the transducers less
 o × F; the centre of pressure is (−My, Mx)/Fz from the middle, whichever way all forces point.
 
 FORCE_PLATFORM:ZERO, frames in which a plate is empty so that its offset can be taken away, is not
-used: who stands there all the time leaves no such frames, and many programs write the first ten
-whoever stands there.
+used: who stands there all the time leaves no such frames.
 
 notation: c corners, o origin, F force, M moment, ex, ey, ez axes of a plate in the laboratory.
 """

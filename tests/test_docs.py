@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import standfast as sf
-from recordings import sway, table
+from recordings import sway, table, write_two_plates
 from standfast.population.people.study import PopulationStudy
 from standfast.quantities import QUANTITIES
 from standfast.recordings.measures import MEASURES
@@ -100,6 +100,7 @@ def test_the_page_on_recordings_runs(tmp_path, monkeypatch):
     _, ap, ml = sway()
     text = table(["COP_AP", "COP_ML"], [1e3 * ap, 1e3 * ml])
     (tmp_path / "recording.csv").write_text(text, encoding="utf-8")
+    write_two_plates(tmp_path / "two-plates.csv")
     monkeypatch.chdir(tmp_path)
     space: dict = {}
     exec(block, space)  # noqa: S102 - the code of our own page

@@ -69,6 +69,7 @@ LATE = {
     ("standfast.atlas.reader", "xarray"),
     ("standfast.population.people.decoding", "pandas"),
     ("standfast.figures.style", "matplotlib"),
+    ("standfast.recordings.c3d_file", "c3d"),
     ("standfast", "?"),
     ("standfast", "standfast"),
 }

@@ -13,8 +13,9 @@ import pytest
 
 import populations
 import standfast as sf
+from c3d_files import Plate, person, write_c3d
 from pages import commands_of, not_printed, run_page, words_of
-from recordings import sway, table
+from recordings import sway, table, write_two_plates
 from standfast.quantities import QUANTITIES
 from standfast.study import grid
 from studies import GOOD, toml_of
@@ -102,6 +103,15 @@ def a_recording(name: str) -> None:
     Path(name).write_text(text, encoding="utf-8")
 
 
+def on_two_plates(name: str) -> None:
+    write_two_plates(Path(name))
+
+
+def in_c3d(name: str) -> None:
+    _, force, point = person()
+    write_c3d(Path(name), [Plate()], [(force, point)])
+
+
 def a_population(name: str) -> None:
     content = toml_of(populations.changed("population.size", 1000))
     Path(name).write_text(content, encoding="utf-8")
@@ -121,7 +131,7 @@ GIVEN = {
     "reading-files.md": {"study.h5": an_atlas},
     "recordings.md": {
         "recording.csv": a_recording, "S1/one.csv": a_recording, "S1/two.csv": a_recording,
-        "person.toml": a_swaying_person,
+        "person.toml": a_swaying_person, "two-plates.csv": on_two_plates, "recording.c3d": in_c3d,
     },
     "sway.md": {"recording.csv": a_recording},
 }  # fmt: skip

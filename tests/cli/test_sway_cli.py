@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import standfast as sf
-from recordings import sway, table
+from recordings import sway, table, write_two_plates
 from standfast.cli.app import main
 from standfast.figures.recording import course, spectra, statokinesigram
 from standfast.figures.style import paper_figure
@@ -162,3 +162,35 @@ def test_the_help_has_an_example_that_runs(files, capsys, monkeypatch):
     files[1].rename("recording.csv")
     assert main(line.split()[2:]) == 0
     assert (files[0].parent / "recording.png").exists()
+
+
+@pytest.fixture
+def two_plates(tmp_path):
+    path = tmp_path / "two.csv"
+    write_two_plates(path)
+    return path
+
+
+def test_several_plates_have_their_places_by_options(two_plates, capsys):
+    found = json.loads(said(capsys, two_plates, "--plate", "2=0,0.6", "--json"))["recordings"][0]
+    measures = sf.sway_measures(sf.read_recording(two_plates, plate={"2": (0, 0.6)}))
+    assert found["measures"] == measures._asdict()
+    alone = json.loads(said(capsys, two_plates, "--plate", "1", "--json"))["recordings"][0]
+    assert alone["measures"] == sf.sway_measures(sf.read_recording(two_plates, plate="1"))._asdict()
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ([], "the axes of the plates (m), as --plate 2=0,0.6, or (0, 0) if all columns are in one"),
+        ([], "; --plate 1 reads one alone"),
+        (["--plate", "3"], "--plate = '3' is not in the file; its plates are 1, 2"),
+        (["--plate", "1", "--plate", "2"], "--plate 1: write where its origin lies, m, as --plate"),
+        (["--plate", "2=0"], "--plate 2=0: write where its origin lies, m, as --plate 2=0,0.6"),
+        (["--plate", "2=0,far"], "--plate 2 = 'far' is not a number"),
+        (["--plate", "2=0,600"], "--plate = 2: [0.0, 600.0] is not two numbers of m"),
+        (["--plate", "2=0,1", "--plate", "2=0,1"], "--plate 2 is given twice; give it one place"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_with_plates_is_said(two_plates, capsys, options, sentence):
+    assert sentence in said(capsys, two_plates, *options, code=2)

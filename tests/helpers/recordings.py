@@ -56,3 +56,11 @@ def plate(surface=0.0, load=700.0, **given):
     fz = load + 3.0 * np.sin(9.0 * time)
     mx, my = y * fz - surface * fy, surface * fx - x * fz
     return time, (fx, fy, fz, mx, my, 0.3 * np.sin(time)), (x, y)
+
+
+def write_two_plates(path):
+    """Half of a person on each of two plates, which lie apart by whatever is said of them."""
+    time, (_, _, fz, mx, my, _), _ = plate()
+    names = ["t (s)", "Fz1 (N)", "Mx1 (Nm)", "My1 (Nm)", "Fz2 (N)", "Mx2 (Nm)", "My2 (Nm)"]
+    half = [0.5 * each for each in (fz, mx, my)]
+    path.write_text(table(names, [time, *half, *half], decimals=7), encoding="utf-8")

@@ -54,7 +54,7 @@ REFUSED = {
     "empty": ("", {}, "it is empty; give a line of names"),
     "blank": ("\n \n\t\n", {}, "it is empty"),
     "binary": ("a\0b" * 400, {}, "it is no text; export the recording as CSV"),
-    "C3D": ("\x02P" + "\0" * 600, {}, "it is a C3D file; export its force plate as CSV"),
+    "C3D": ("\x02P" + "\0" * 600, {}, "it is a C3D file"),
     "zipped": ("PK\x03\x04....", {}, "it is a spreadsheet or an archive; save the table as CSV"),
     "prose": ("Dear all,\nthe plate broke.\nBest", {}, "it holds no table of numbers in two or"),
     "names alone": (",".join(NAMES), {}, "it holds no table of numbers"),
@@ -66,7 +66,10 @@ REFUSED = {
     "surface without forces": (table(PLATE, [TIME, *FORCES[2:5]]), {"surface": 0.04}, "Fx and Fy are missing"),
     "surface in mm": (GOOD, {"surface": 40}, "surface = 40 is not a height of -0.3 to 0.3 m, is it in mm?"),
     "surface a text": (GOOD, {"surface": "high"}, "surface = 'high' is not a height"),
-    "two plates": (table(["t", "Fz1", "Mx1", "My1", "Fz2"], [TIME, *FORCES[2:5], FORCES[2]]), {}, "'Fz1' and 'Fz2' are of two plates, and where they lie to each other is not known; put the centre"),
+    "two plates": (table(["t", "Fz1", "Mx1 (Nm)", "My1 (Nm)", "Fz2"], [TIME, *FORCES[2:5], FORCES[2]]), {}, "Mx and My of plate 2 are missing; name columns"),
+    "one sample": ("time (s),COP_AP (mm),COP_ML (mm)\n0.01,2.5,3.5\n", {}, "it holds one sample; sway needs 5 s of samples at the least, and its frequencies 60 s"),
+    "one sample of forces": ("Rate: 100\nFz (N);Mx (Nm);My (Nm)\n700;2,5;3,5\n", {}, "it holds one sample; sway needs 5 s"),
+    "two samples": ("time (s),COP_AP (mm),COP_ML (mm)\n0.01,2.5,3.5\n0.02,2.6,3.4\n", {}, "it is 0.02 s long (2 samples at 100 Hz); sway needs 5 s at the least"),
     "no unit": (of(["t (s)", "ap", "ml"]), {}, "the column 'ap' says no unit; write unit=m, unit=cm or unit=mm"),
     "no unit of moments": (table(["t", "Fz", "Mx", "My"], [TIME, *FORCES[2:5]]), {}, "the column 'Mx' says no unit; write unit=Nm or unit=Nmm"),
     "unit of another kind": (of(["t (s)", "ap", "ml"]), {"unit": "kg"}, "unit = 'kg' is not one of m, cm, mm"),
@@ -182,6 +185,17 @@ SHORT = {
     "names": of(kept=slice(0, 600)),
     "forces": "Rate: 100\n" + table(PLATE[1:], [each[:600] for each in FORCES[2:5]], "\t"),
     "commas": of(kept=slice(0, 600), separator=";", comma=True),
+    "plates": table(
+        [
+            "t",
+            *(
+                f"{name}{k} ({unit})"
+                for k in (1, 2)
+                for name, unit in (("Fz", "N"), ("Mx", "Nm"), ("My", "Nm"))
+            ),
+        ],
+        [each[:600] for each in (TIME, *FORCES[2:5], *FORCES[2:5])],
+    ),
 }
 
 
@@ -200,7 +214,7 @@ SHORT = {
         min_size=1,
         max_size=6,
     ),
-    st.sampled_from([{}, {"ap": "y"}, {"rate": 100}, {"unit": "mm"}, {"ap": "2", "ml": "3"}]),
+    st.sampled_from([{}, {"ap": "y"}, {"rate": 100}, {"unit": "mm"}, {"ap": "2", "ml": "3"}, {"plate": {"2": (0, 0.6)}}]),
 )  # fmt: skip
 def test_an_altered_file_gives_a_recording_or_a_sentence(tmp_path_factory, which, cuts, options):
     raw = SHORT[which].encode()

@@ -21,6 +21,25 @@ BIOWARE = (
     "BioWare\tData\nSystem info:\t5.3\nTrial\tA, B\nPlate\t600\t400\n\n"
     "abs time (s)\tFx\tFy\tFz\t|Ft|\tAx\tAy\ns\tN\tN\tN\tN\tm\tm\n"
 )
+MOTIVE = (
+    "Format Version,1.0,\nTake Name,quiet,\nCapture Frame Rate,100.00,\nExport Frame Rate,100.00,\n"
+    "Device Name,AMTI 1 1,\nDevice Channel Count,6,\nMocap Rate,100.00,\nMocap Rate Multiple,1.00,\n\n"
+    "PlateLength,19.750000,\nOffset_Z,0.000000\n\n\n"
+    "MocapFrame, MocapTime, DeviceFrame, Fx, Fy, Fz, Mx, My, Mz, Cx, Cy, Cz\n"
+)
+OF_MOTIVE = [FRAME, TIME, FRAME, *FORCES, AP, ML, 0 * TIME]
+QUALISYS = (
+    "NO_OF_SAMPLES\t6000\nFREQUENCY\t100\nTIME_STAMP\t2024-03-05, 10:11:12.123\t1234.5\n"
+    "FORCE_PLATE_NAME\tForce-plate 1\nFORCE_PLATE_CORNER_POSX_POSY_X\t400.0\nCOORD_SYSTEM\tGlobal\n"
+)
+OF_QUALISYS = table(
+    None, [*FORCES[:3], MM * MX, MM * MY, MM * MZ, MM * AP, MM * ML, 0 * TIME], "\t", 7
+)
+AXES_OF_QUALISYS = "\t".join(f"{of}_{axis}" for of in ("Force", "Moment", "COP") for axis in "XYZ")
+OLD_VICON = (
+    "Analog\n100,Hz\nSample #,FX1,FY1,FZ1,MX1,MY1,MZ1\nUnits:,N,N,N,Nmm,Nmm,Nmm\n\n"
+    + table(None, [FRAME, *FORCES[:3], MM * MX, MM * MY, MM * MZ], decimals=6)
+)
 MOMENTS = ["Time (s)", "Fx (N)", "Fy (N)", "Fz (N)", "Mx (N·m)", "My (N·m)", "Mz (N·m)"]
 QUOTED = '"t (s)","ap (mm)","ml (mm)"\n' + "".join(
     ",".join(f'"{n:.4f}"'.replace(".", ",") for n in row) + "\n"
@@ -77,6 +96,10 @@ FORMATS = {
     "forces down, moments with them": (table(MOMENTS, [TIME, *(-each for each in FORCES)], decimals=7), {"surface": 0.04}),
     "Vicon": (VICON, {}),
     "Vicon with more below": (VICON + "\nTrajectories\n100\nFrame,X,Y\n,mm,mm\n1,2,3\n2,2,3\n", {}),
+    "OptiTrack": (MOTIVE + table(None, OF_MOTIVE, decimals=8), {"unit": "m"}),
+    "Qualisys": (QUALISYS + AXES_OF_QUALISYS + "\n" + OF_QUALISYS, {"unit": "mm"}),
+    "Qualisys without names": (QUALISYS + OF_QUALISYS, {"unit": "mm", "ap": "7", "ml": "8"}),
+    "Vicon, older": (OLD_VICON, {"surface": 0.04}),
     "Kistler": (BIOWARE + table(None, [TIME, FX, FY, FZ, FZ, AP, ML], "\t", 8), {}),
     "Kistler, decimal commas": (BIOWARE + table(None, [TIME, FX, FY, FZ, FZ, AP, ML], "\t", 8, comma=True), {}),
 }  # fmt: skip
@@ -92,7 +115,7 @@ def test_the_sway_is_the_same(tmp_path, name):
     assert found.rate == pytest.approx(options.get("rate", 100.0), rel=2e-3)
     np.testing.assert_allclose(found.ap, AP, rtol=0, atol=ROUNDED)
     np.testing.assert_allclose(found.ml, ML, rtol=0, atol=ROUNDED)
-    by_axis = any(word in text.lower() for word in ("copx", "cop-x", "cx", "\tax", "mx"))
+    by_axis = any(word in text.lower() for word in ("copx", "cop-x", "cop_x", "cx", "\tax", "mx"))
     said = any("x is taken as anterior-posterior" in remark for remark in found.remarks)
     assert said == (by_axis and not {"ap", "ml"} & {*options})
 
@@ -142,6 +165,18 @@ def test_short_gaps_are_filled_and_told(tmp_path):
         "7 samples are missing in 2 places (the first after 9.98 s, line 1000) and filled along "
         "straight lines",
     )
+
+
+def test_a_row_of_zeros_in_all_channels_is_a_missing_sample(tmp_path):
+    """What OptiTrack writes where the plate sent nothing."""
+    lines = (MOTIVE + table(None, OF_MOTIVE, decimals=8)).splitlines()
+    for at in (-300, -299):
+        lines[at] = ",".join([*lines[at].split(",")[:3], *["0.000000"] * 9])
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join(lines))
+    found = sf.read_recording(path, unit="m")
+    np.testing.assert_allclose(found.ap, AP, rtol=0, atol=2e-5)  # of a line through 30 ms
+    assert any("2 samples are missing in one place" in remark for remark in found.remarks)
 
 
 def test_missing_ends_are_left_out(tmp_path):

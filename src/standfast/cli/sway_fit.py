@@ -2,11 +2,12 @@
 
 import argparse
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from standfast.cli.person_options import GivenPerson, law_in_words, person_given
 from standfast.cli.person_text import person_in_words
+from standfast.cli.sway_files import of_options
 from standfast.errors import InputError
 from standfast.files import column_name
 from standfast.parameters import GAINS, JOINTS, LOOPS, NOISES, gain_name
@@ -56,10 +57,12 @@ def person_to_fit(options: argparse.Namespace) -> GivenPerson | None:
 def fits_of(
     options: argparse.Namespace,
     given: GivenPerson,
-    recordings: "Sequence[Recording]",
+    measured: "Sequence[Recording | Mapping[str, float]]",
     low_pass: float | None,
+    duration: float | None = None,
+    rate: float | None = None,
 ) -> "list[SwayFit]":
-    """Return a fit of each recording.
+    """Return a fit of each recording, or of measures by name with duration and rate (s, Hz).
 
     Raises
     ------
@@ -72,21 +75,23 @@ def fits_of(
     person, free = person_of(given.parameters), [each.strip() for each in options.fit.split(",")]
     delay = None if options.delay is None else float(given.parameters["feedback_delay"])
     found = []
-    for recording in recordings:
+    for each in measured:
         try:
             found.append(
                 fit_sway(
-                    recording,
+                    each,
                     options.law,
                     person.body,
                     float(person.gravity),
                     free=free,
                     delay=delay,
                     low_pass=low_pass,
+                    duration=duration,
+                    rate=rate,
                 )
             )
         except InputError as error:
-            raise InputError(f"--fit: {error}") from None
+            raise InputError(f"--fit: {of_options(str(error))}") from None
     return found
 
 
@@ -97,22 +102,31 @@ def print_fits(
     low_pass: float | None,
 ) -> None:
     """Print on whom, and each fit: parameters, margins, measures and the recording's, status."""
-    print(f"\n{_on_whom(given, fits[0], low_pass)}")
+    cut = (
+        "Samples are as given, taken to have passed a plate's low-pass at 10 Hz."
+        if low_pass is None
+        else f"Recording and model pass a low-pass at {low_pass:g} Hz."
+    )
+    print(f"\n{on_whom(given, fits[0], cut)}")
     for recording, fit in zip(recordings, fits, strict=True):
-        of = f" to {recording.name}" if len(recordings) > 1 else ""
-        print(f"\nFit of {fit.law}{of}, with 95 % intervals\n")
-        for name, estimate in {**fit.parameters, **fit.margins}.items():
-            print(f"  {_in_words(name):38}{_number(estimate)}")
-        print(f"\n  {'':38}{'recording':>10}{'model':>10}   chance")
-        for name, each in fit.measures.items():
-            unit, factor = PRINTED[each.unit]
-            pair = f"{factor * each.measured:10.4g}{factor * each.model:10.4g}"
-            print(f"  {_in_words(name):30}{unit:8}{pair}   ± {100.0 * each.spread:.0f} %")
-        print(f"\n  {fit.status}")
+        print_fit(fit, f" to {recording.name}" if len(recordings) > 1 else "", "recording")
 
 
-def _on_whom(given: GivenPerson, fit: "SwayFit", low_pass: float | None) -> str:
-    """Say on which body the law was fitted, how it was scaled, and what was held."""
+def print_fit(fit: "SwayFit", of: str, column: str) -> None:
+    """Print a fit ``of`` something, whose measures stand in a column."""
+    print(f"\nFit of {fit.law}{of}, with 95 % intervals\n")
+    for name, estimate in {**fit.parameters, **fit.margins}.items():
+        print(f"  {_in_words(name):38}{_number(estimate)}")
+    print(f"\n  {'':38}{column:>10}{'model':>10}   chance")
+    for name, each in fit.measures.items():
+        unit, factor = PRINTED[each.unit]
+        pair = f"{factor * each.measured:10.4g}{factor * each.model:10.4g}"
+        print(f"  {_in_words(name):30}{unit:8}{pair}   ± {100.0 * each.spread:.0f} %")
+    print(f"\n  {fit.status}")
+
+
+def on_whom(given: GivenPerson, fit: "SwayFit", cut: str) -> str:
+    """Say on which body the law was fitted, how it was scaled, what was held, and what is cut."""
     known = given.parameters
     # gains and delay are the fit's or said apart
     body = {name: each for name, each in known.items() if name not in (*GAINS, "feedback_delay")}
@@ -121,11 +135,6 @@ def _on_whom(given: GivenPerson, fit: "SwayFit", low_pass: float | None) -> str:
         lines.append("No body is given (--height and --mass), so it is the law's own.")
     held = f"The delay is held at {fit.person['feedback'].delay:g} s. "
     strength = "of one strength" if "noise" in fit.parameters else "of 1 N·m·√s"
-    cut = (
-        "Samples are as given, taken to have passed a plate's low-pass at 10 Hz."
-        if low_pass is None
-        else f"Recording and model pass a low-pass at {low_pass:g} Hz."
-    )
     lines.append(
         f"{'' if 'feedback_delay' in fit.parameters else held}"
         f"Noise {strength} is at {' and '.join(_turning(known))}.\n{cut}"

@@ -4,12 +4,14 @@ notation: Fx … My force (N) and moment (N·m) about the origin of the plate's 
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from standfast.errors import InputError
 from standfast.numerics.arrays import Array
-from standfast.recordings.columns import Column, chosen, listed, unit_of
+from standfast.recordings.columns import Column, chosen, in_ground_frame, listed, unit_of
+from standfast.recordings.plates import Choice, Plate, names_read, person_on
 from standfast.recordings.table import Table, numbers_in
 
 WRITE = (
@@ -17,59 +19,56 @@ WRITE = (
     "or say by ap=… and ml=… which columns, by name or number"
 )
 AXES = ("x", "y")
-OFF_PLATE = 0.2  # of the median load
-LIGHTEST = 50.0  # N
+DIRECTIONS = ("ap", "ml")
+Found = dict[str, list[Column]]
 
 
-def centre_of(
-    table: Table,
-    found: dict[str, list[Column]],
-    ap: str | None,
-    ml: str | None,
-    unit: str | None,
-    surface: float,
-) -> tuple[tuple[Array, Array], list[str]]:
+class Wanted(NamedTuple):
+    """What a user says of the centre of pressure: columns or an axis, unit, surface (m), plates."""
+
+    ap: str | None
+    ml: str | None
+    unit: str | None
+    surface: float
+    choice: Choice
+
+
+def centre_of(table: Table, found: Found, wanted: Wanted) -> tuple[tuple[Array, Array], list[str]]:
     """Return both directions (m, NaN where missing), and what is to be said of the choice."""
+    ap, ml, unit = wanted[:3]
+    up = in_ground_frame(each for columns in found.values() for each in columns)
+    floor = ("x", "z") if up else AXES
     ahead, aside = (None if each is None else each.strip().lower() for each in (ap, ml))
-    axis = next((a for a in AXES if ahead == a or (aside in AXES and aside != a)), None)
-    if ahead in AXES and ahead == aside:
+    axis = next((a for a in floor if ahead == a or (aside in floor and aside != a)), None)
+    if ahead in floor and ahead == aside:
         raise InputError(f"ap={ahead} and ml={aside} are the same; give one")
-    if axis and None not in (ahead, aside) and not {ahead, aside} <= {*AXES}:
+    if axis and None not in (ahead, aside) and not {ahead, aside} <= {*floor}:
         raise InputError(
             f"ap={ahead} and ml={aside}: give two columns, or an axis of the plate alone"
         )
+    if up and "y" in (ahead, aside):
+        raise InputError("ap=y or ml=y: y points up in this file; give x or z")
     if axis is None and (ap is not None or ml is not None):
         pair = [
             chosen(name, given, table.names, table.units, "length")
             if given is not None
-            else only(found, name)
+            else only(found.get(name, []), name)
             for name, given in (("ap", ap), ("ml", ml))
         ]
         return _pair(table, found, pair, unit), []
-    if axis is None and ("ap" in found or "ml" in found):
-        return _pair(table, found, [only(found, name) for name in ("ap", "ml")], unit), []
+    if axis is None and not {*DIRECTIONS}.isdisjoint(found):
+        return _of_plates(table, found, DIRECTIONS, wanted)
     said = [] if axis else [
-        "x is taken as anterior-posterior and y as mediolateral, as Santos & Duarte have it; if "
-        "the plate lies otherwise write ap=y"
+        f"x is taken as anterior-posterior and {floor[1]} as mediolateral, as "
+        f"{'OpenSim has' if up else 'Santos & Duarte have'} it; if the plate lies otherwise write "
+        f"ap={floor[1]}"
     ]  # fmt: skip
-    if "x" in found or "y" in found:
-        pair = [only(found, a) for a in AXES]
-        both = _pair(table, found, pair, unit)
-    else:
-        both = _of_moments(table, found, unit, surface)
-    return (both[::-1] if axis == "y" else both), said
+    both, more = _of_plates(table, found, AXES, wanted)
+    return (both[::-1] if axis == floor[1] else both), [*said, *more]
 
 
-def only(found: dict[str, list[Column]], holds: str) -> Column | None:
+def only(several: Sequence[Column], holds: str) -> Column | None:
     """Return the only column that holds something; refuse several."""
-    several = found.get(holds, [])
-    if len(several) > 1 and holds[0] in "FM":
-        raise InputError(
-            f"{several[0].name!r} and {several[1].name!r} are of two plates, and where they lie to "
-            "each other is not known; put the centre of pressure of both into the file, (Fz1 CoP1 "
-            "+ Fz2 CoP2)/(Fz1 + Fz2) with each CoP in one frame, as columns COP_AP (mm) and COP_ML "
-            "(mm), or keep one plate"
-        )
     if len(several) > 1:
         places = " and ".join(f"{c.name!r} (column {c.place + 1})" for c in several[:3])
         raise InputError(
@@ -79,8 +78,46 @@ def only(found: dict[str, list[Column]], holds: str) -> Column | None:
     return several[0] if several else None
 
 
+def _of_plates(
+    table: Table, found: Found, axes: tuple[str, str], wanted: Wanted
+) -> tuple[tuple[Array, Array], list[str]]:
+    """Return the centre of pressure along two axes, of one plate or of all."""
+    held = (*axes, "Fx", "Fy", "Fz", "Mx", "My")
+    measured = not {*axes}.isdisjoint(found)
+    there = {
+        c.plate for holds in (axes if measured else ("Mx", "My")) for c in found.get(holds, [])
+    }
+    if "" not in there:  # no sum, so that all plates with a load count
+        there |= {c.plate for c in found.get("Fz", [])} - ({""} if there else set())
+    names = names_read(there, wanted.choice)
+    own = {
+        name: {
+            holds: only([c for c in found.get(holds, []) if c.plate == name], holds)
+            for holds in held
+        }
+        for name in names or [""]
+    }
+    if measured and len(own) == 1:
+        (columns,) = own.values()
+        loads: Found = {"Fz": [load]} if (load := columns["Fz"]) else found
+        return _pair(table, loads, [columns[axis] for axis in axes], wanted.unit), []
+    plates = [
+        _loaded(table, name, columns, axes, wanted.unit)
+        if measured
+        else _of_moments(table, name, columns, wanted)
+        for name, columns in own.items()
+    ]
+    first, second, said = person_on(
+        plates,
+        wanted.choice,
+        lambda at: f"in line {table.lines[at]}",
+        one_frame=in_ground_frame(c for columns in own.values() for c in columns.values() if c),
+    )
+    return (first, second), said
+
+
 def _pair(
-    table: Table, found: dict[str, list[Column]], pair: Sequence[Column | None], unit: str | None
+    table: Table, found: Found, pair: Sequence[Column | None], unit: str | None
 ) -> tuple[Array, Array]:
     """Return two columns of the centre of pressure; a load beside them tells who steps off."""
     first, second = pair
@@ -92,54 +129,70 @@ def _pair(
         raise InputError(f"both directions are the column {first.name!r}; give two")
     factors = [_factor(column, unit, "length") for column in (first, second)]
     loads = found.get("Fz", [])
-    load = loads[0] if len(loads) == 1 else None
-    places = [first.place, second.place, *([load.place] if load else [])]
-    columns = numbers_in(table, places)
-    if load:
-        _check_load(columns[2] * (load.unit or 1.0), table)
-    return columns[0] * factors[0], columns[1] * factors[1]
+    if len(loads) != 1:
+        x, y = numbers_in(table, [first.place, second.place])
+        return factors[0] * x, factors[1] * y
+    load, x, y = numbers_in(table, [loads[0].place, first.place, second.place])
+    nothing = (load == 0.0) & (x == 0.0) & (y == 0.0)  # nothing was measured there
+    x, y = (np.where(nothing, np.nan, f * each) for f, each in zip(factors, (x, y), strict=True))
+    plate = Plate("", (loads[0].unit or 1.0) * load, load * x, load * y)
+    person_on([plate], Choice(), lambda at: f"in line {table.lines[at]}")
+    return x, y
+
+
+def _loaded(
+    table: Table,
+    name: str,
+    columns: dict[str, Column | None],
+    axes: Sequence[str],
+    unit: str | None,
+) -> Plate:
+    """Return a plate of which the centre of pressure and the load are there."""
+    load, first, second = _there(table, name, columns, ("Fz", *axes))
+    x, y = (_factor(column, unit, "length") for column in (first, second))
+    numbers = numbers_in(table, [load.place, first.place, second.place])
+    force = (load.unit or 1.0) * numbers[0]
+    # without a load, some programs write no centre of pressure, which then does not count
+    each = (
+        np.where(force == 0.0, 0.0, force * f * n) for f, n in zip((x, y), numbers[1:], strict=True)
+    )
+    return Plate(name, force, *each)
 
 
 def _of_moments(
-    table: Table, found: dict[str, list[Column]], unit: str | None, surface: float
-) -> tuple[Array, Array]:
-    """Return the centre of pressure from forces and moments."""
-    wanted = ["Fz", "Mx", "My", *(("Fx", "Fy") if surface else ())]
-    columns = {holds: only(found, holds) for holds in wanted}
-    missing = [holds for holds, column in columns.items() if column is None]
+    table: Table, name: str, columns: dict[str, Column | None], wanted: Wanted
+) -> Plate:
+    """Return a plate from its forces and moments: Fz x = d Fx − My, Fz y = d Fy + Mx."""
+    d = wanted.surface
+    some = _there(table, name, columns, ("Fz", "Mx", "My", *(("Fx", "Fy") if d else ())))
+    factors = [
+        _factor(column, wanted.unit, "moment") if place in (1, 2) else column.unit or 1.0
+        for place, column in enumerate(some)
+    ]
+    columns_of = numbers_in(table, [column.place for column in some])
+    numbers = [f * each for f, each in zip(factors, columns_of, strict=True)]
+    load, mx, my = numbers[:3]
+    fx, fy = numbers[3:] if d else (0.0, 0.0)
+    return Plate(name, load, d * fx - my, d * fy + mx)
+
+
+def _there(
+    table: Table, name: str, columns: dict[str, Column | None], wanted: Sequence[str]
+) -> list[Column]:
+    """Return the columns that are wanted of a plate; say which are missing."""
+    found = [columns[holds] for holds in wanted]
+    missing = [holds for holds, column in zip(wanted, found, strict=True) if column is None]
     if missing:
-        some = "Fz" in found or "Mx" in found or "My" in found
+        of = f" of plate {name}" if name else ""
         verb = "is" if len(missing) == 1 else "are"
+        some = any(columns.values())
         what = (
-            f"{' and '.join(missing)} {verb} missing" if some else "no centre of pressure is there"
+            f"{' and '.join(missing)}{of} {verb} missing"
+            if some
+            else "no centre of pressure is there"
         )
         raise InputError(f"{what}; {WRITE} {listed(table.names)}")
-    there = {holds: column for holds, column in columns.items() if column is not None}
-    numbers = dict(zip(there, numbers_in(table, [c.place for c in there.values()]), strict=True))
-    for holds, column in there.items():
-        factor = _factor(column, unit, "moment") if holds[0] == "M" else column.unit or 1.0
-        numbers[holds] = numbers[holds] * factor
-    load = numbers["Fz"]
-    _check_load(load, table)
-    lean = {axis: surface * numbers[f"F{axis}"] if surface else 0.0 for axis in AXES}
-    return (lean["x"] - numbers["My"]) / load, (lean["y"] + numbers["Mx"]) / load
-
-
-def _check_load(load: Array, table: Table) -> None:
-    """Refuse a recording on which nobody stands all the time."""
-    there = np.isfinite(load)
-    size = np.abs(load[there])
-    median = float(np.median(size)) if size.size else 0.0
-    if median < LIGHTEST:
-        raise InputError(
-            f"Fz is {median:.3g} N in the median, so nobody stands on the plate, or it is not in N"
-        )
-    if size.min() < OFF_PLATE * median:
-        at = int(np.flatnonzero(there)[np.argmax(size < OFF_PLATE * median)])
-        raise InputError(
-            f"Fz falls from {median:.4g} to {abs(load[at]):.3g} N in line {table.lines[at]}: the "
-            "person is not on the plate all the time; cut the recording before or after"
-        )
+    return [column for column in found if column is not None]
 
 
 def _factor(column: Column, unit: str | None, kind: str) -> float:

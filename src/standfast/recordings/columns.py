@@ -5,7 +5,7 @@ A name says the direction (``COP_AP``, ``CoP-X``, ``Fz``) and may say the unit a
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from standfast.errors import InputError, shortened
@@ -20,36 +20,68 @@ UNITS: Mapping[str, Mapping[str, float]] = {
 # As messages write them.
 WRITTEN = {"time": "s, ms", "length": "m, cm, mm", "force": "N, kN", "moment": "N·m, N·mm"}
 
-# Which plate, or how it was put together; a left or right foot's is not the person's.
-OF_PLATE = r"(?:(?:force)?plate|fp|net|total|combined)?\d*"
+# Which plate, or how it was put together: a word or a number before, between or after.
+OF_PLATE = r"(?:net|total|combined|(?:(?:force)?plat(?:e|form)|fp)?(?P<before>\d*))"
+SIDE = r"(?:(?P<side>left|right|[lr])(?:(?:force)?plate)?)?"
+WITHIN, AFTER = r"(?P<within>\d?)", r"(?P<after>\d?|left|right|[lr])"
 COP = r"(?:cop|cp|cent(?:er|re)ofpressure)"
+AP, ML = "ap|anteroposterior|anteriorposterior", "ml|mediolateral|mediallateral"
 # By what a column holds the kind of its unit, and its name in lower case without signs.
 NAMES: Mapping[str, tuple[str, str]] = {
-    "time": ("time", r"(?:abs|absolute|rel|relative|elapsed)?(?:time|timestamp|t|zeit)"),
-    "ap": ("length", rf"{OF_PLATE}{COP}?(?:ap|anteroposterior|anteriorposterior){COP}?\d?"),
-    "ml": ("length", rf"{OF_PLATE}{COP}?(?:ml|mediolateral|mediallateral){COP}?\d?"),
+    "time": ("time", r"(?:abs|absolute|rel|relative|elapsed|mocap)?(?:time|timestamp|t|zeit)"),
     **{
-        axis: ("length", rf"{OF_PLATE}(?:(?:{COP}c?|c)?{axis}\d?|{axis}{COP})") for axis in "xy"
+        name: ("length", rf"{OF_PLATE}{SIDE}{COP}?{WITHIN}(?:{words}){COP}?{AFTER}")
+        for name, words in (("ap", AP), ("ml", ML))
     },
-    **{f"F{axis}": ("force", rf"{OF_PLATE}(?:f|(?:force|grf)f?){axis}\d?") for axis in "xyz"},
-    **{f"M{axis}": ("moment", rf"{OF_PLATE}(?:m|(?:moment|torque)m?){axis}\d?") for axis in "xyz"},
+    **{
+        axis: (
+            "length",
+            rf"{OF_PLATE}(?:{SIDE}{COP}{WITHIN}c?{axis}{AFTER}|c?{axis}(?P<bare>\d?)|{axis}{COP})",
+        )
+        for axis in "xy"
+    },
+    **{
+        f"F{axis}": (
+            "force", rf"{OF_PLATE}{SIDE}(?:f|(?:force|grf)f?){WITHIN}{axis}{AFTER}"
+        )
+        for axis in "xyz"
+    },
+    **{
+        f"M{axis}": (
+            "moment", rf"{OF_PLATE}{SIDE}(?:m|(?:moment|torque)m?){WITHIN}{axis}{AFTER}"
+        )
+        for axis in "xyz"
+    },
 }  # fmt: skip
 PATTERNS = {
-    holds: re.compile(f"{pattern}({'|'.join(UNITS[kind])})?")
+    holds: re.compile(f"{pattern}(?P<unit>{'|'.join(UNITS[kind])})?")
     for holds, (kind, pattern) in NAMES.items()
 }
+WHERE_PLATE = ("before", "side", "within", "after", "bare")  # groups of the patterns
+SIDES = {"l": "left", "r": "right"}
 # Of Kistler's BioWare: the centre of pressure, where a length says that it is no acceleration.
-KISTLER = re.compile(r"a([xy])()")
+KISTLER = re.compile(r"a([xy])(?P<after>\d?)")
+# Of OpenSim, in N and m of one frame of the ground, whose y points up.
+GROUND = re.compile(
+    r"(?P<before>\d|left|right|[lr])?groundforce(?P<side>left|right|[lr])?(?P<within>\d?)"
+    r"(?P<what>v[xyz]|p[xz])(?P<after>\d?)"
+)
+OF_GROUND = {"vx": "Fx", "vz": "Fy", "vy": "Fz", "px": "x", "pz": "y"}
 BARE = re.compile(f"([xyz])(?:{'|'.join(UNITS['length'])})?")
 LAST_WORD = re.compile(r"[\[({_ ]\s*([^\[\](){}_ ]+)\s*[\])}]?\s*$")
+LAST_NUMBER = re.compile(r"(\d+)\W*$")
 
 
 class Column(NamedTuple):
-    """A column of a table: its place, its name, and how many SI units one of it is if known."""
+    """A column of a table: its place, its name, how many SI units one of it is if known, its plate.
+
+    The plate is empty where the name says none, as of a sum of all.
+    """
 
     place: int
     name: str
     unit: float | None
+    plate: str = ""
 
 
 def compact(text: str) -> str:
@@ -57,26 +89,76 @@ def compact(text: str) -> str:
     return re.sub(r"[^a-z0-9]+", "", text.lower().replace("µ", "u").replace("μ", "u"))
 
 
-def recognised(names: Sequence[str], units: Sequence[str]) -> dict[str, list[Column]]:
-    """Return the columns by what they hold; ``units`` are those of a line below, else empty."""
+def recognised(
+    names: Sequence[str], units: Sequence[str], groups: Sequence[str] = ()
+) -> dict[str, list[Column]]:
+    """Return the columns by what they hold.
+
+    ``units`` are those of a line below, ``groups`` what a line above says of several columns, as
+    ``Plate 1 - Force``; else empty.
+    """
     found: dict[str, list[Column]] = {}
     for place, name in enumerate(names):
         below = units[place] if place < len(units) else ""
-        for holds, pattern in PATTERNS.items():
-            if match := pattern.fullmatch(compact(name)):
-                unit = _unit(name, NAMES[holds][0], match[1] or "", below)
-                found.setdefault(holds, []).append(Column(place, name.strip(), unit))
-                break
-        else:
-            match = KISTLER.fullmatch(compact(name))
-            if match and compact(below) in UNITS["length"]:
-                unit = UNITS["length"][compact(below)]
-                found.setdefault(match[1], []).append(Column(place, name.strip(), unit))
+        group, _, own = name.rpartition(" - ")
+        known = _held(name, below) or (_held(own, below) if group else None)
+        if known is None:
+            continue
+        holds, unit, plate = known
+        group = group or (groups[place] if place < len(groups) else "")
+        found.setdefault(holds, []).append(
+            Column(place, name.strip(), unit, plate or _plate_of(group))
+        )
     if any((bare := BARE.fullmatch(compact(name))) and bare[1] == "z" for name in names):
         for axis in "xy":  # of a marker, or of anything else in space
             plain = [c for c in found.pop(axis, []) if not BARE.fullmatch(compact(c.name))]
             found |= {axis: plain} if plain else {}
-    return found
+    return _numbered(found)
+
+
+def _numbered(found: dict[str, list[Column]]) -> dict[str, list[Column]]:
+    """Return columns of the same names as of plates numbered in their order, as Kistler has it."""
+    count = sum(not column.plate for column in found.get("Fz", []))
+    if count < 2:
+        return found
+    return {
+        holds: [column._replace(plate=str(n)) for n, column in enumerate(columns, 1)]
+        if len(columns) == count and not any(column.plate for column in columns)
+        else columns
+        for holds, columns in found.items()
+    }
+
+
+def _held(name: str, below: str) -> tuple[str, float | None, str] | None:
+    """Return what a column holds, its unit, and the plate that its own name says."""
+    word = compact(name)
+    if match := GROUND.fullmatch(word):
+        return OF_GROUND[match["what"]], 1.0, _named(match) or "0"  # no sum of the others
+    for holds, pattern in PATTERNS.items():
+        if match := pattern.fullmatch(word):
+            return holds, _unit(name, NAMES[holds][0], match["unit"] or "", below), _named(match)
+    match = KISTLER.fullmatch(word)
+    if match and compact(below) in UNITS["length"]:
+        return match[1], UNITS["length"][compact(below)], _named(match)
+    return None
+
+
+def _named(match: re.Match[str]) -> str:
+    """Return the plate by the words and numbers of a name."""
+    said = next(filter(None, map(match.groupdict().get, WHERE_PLATE)), "")
+    return SIDES.get(said, said)
+
+
+def _plate_of(group: str) -> str:
+    """Return the plate of ``Force Plate #1 - Force``: the number at its end, or all words."""
+    words = group.partition(" - ")[0].strip()
+    number = LAST_NUMBER.search(words)
+    return number[1] if number else compact(words)
+
+
+def in_ground_frame(columns: Iterable[Column]) -> bool:
+    """Return whether columns are of OpenSim, in one frame whose y points up."""
+    return any(GROUND.fullmatch(compact(column.name)) for column in columns)
 
 
 def are_units(cells: Sequence[str]) -> bool:

@@ -41,7 +41,7 @@ def evenly(time: Array | None, rate: float, ap: Array, ml: Array, lines: list[in
     ap, ml
         NaN where a sample is missing.
     lines
-        of the file, for messages.
+        of the file, for messages; 0 where it has none.
 
     Raises
     ------
@@ -158,7 +158,7 @@ def _filled(ap: Array, ml: Array, rate: float, lines: Array, remarks: list[str])
     times, lines = (first + before) / rate, lines[before]
     _refuse_long(lengths, times, lines, rate)
     count = int(missing.sum())
-    where = f"the first after {times[0]:.4g} s, line {lines[0]}"
+    where = f"the first after {times[0]:.4g} s{_line(lines[0])}"
     if count > MOST_MISSING * ap.size:
         raise InputError(
             f"{count:,} of {ap.size:,} samples are missing ({where}); at most "
@@ -175,12 +175,16 @@ def _samples(count: int) -> str:
     return "1 sample is" if count == 1 else f"{count:,} samples are"
 
 
+def _line(number: int) -> str:
+    return f", line {number}" if number else ""
+
+
 def _refuse_long(lengths: Array, starts: Array, lines: Array, rate: float) -> None:
     """Refuse gaps that are too long; ``lengths`` in samples, ``starts`` in s."""
     if lengths.size and lengths.max() > max(LONGEST_GAP * rate, 1.0) + 0.5:
         at = int(np.argmax(lengths))
         raise InputError(
             f"{lengths[at]:,.0f} samples ({lengths[at] / rate:.3g} s) are missing after "
-            f"{starts[at]:.4g} s, line {lines[at]}; up to {LONGEST_GAP:g} s is filled: cut the "
+            f"{starts[at]:.4g} s{_line(lines[at])}; up to {LONGEST_GAP:g} s is filled: cut the "
             "recording before or after"
         )

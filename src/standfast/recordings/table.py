@@ -14,7 +14,10 @@ from standfast.numerics.arrays import Array
 from standfast.parameters import number_in
 from standfast.population.people.decimals import Comma, both_readings, comma_of, plain_number
 from standfast.recordings.columns import are_units
+from standfast.recordings.recording import ENOUGH, SHORTEST
 
+# How many columns are known by names and units.
+Knows = Callable[[Sequence[str], Sequence[str]], int]
 SEPARATORS = ("\t", ";", "|", ",", " ")  # the last: any number of blanks
 PLAINLY = re.compile(r"[-+0-9.eE\n]*", re.ASCII)  # numbers without commas
 NUMBER = re.compile(r"[-+]?[\d.,]*\d[\d.,]*(?:[eE][-+]?\d+)?", re.ASCII)
@@ -25,8 +28,9 @@ NOTHING = {
 }  # fmt: skip
 TRIED = 200  # lines in the middle by which the separator is found
 MOST_ABOVE = 2000  # lines before the table
-RATE = re.compile(r"(?:\brate\b|freq\w*|\bhz\b)", re.IGNORECASE)
-FILTER = re.compile(r"filter|cut|pass", re.IGNORECASE)
+RATE = re.compile(r"(?:(?:\b|sample|frame|_)rate\b|freq\w*|\bhz\b)", re.IGNORECASE)
+FILTER = re.compile(r"filter|cut|pass|multiple", re.IGNORECASE)
+OF_PLATES = re.compile(r"plate|platform|force|moment|cop\b", re.IGNORECASE)
 ONE_NUMBER = re.compile(r"(?<![\w.,])\d+(?:[.,]\d+)?(?![\w]*\d)")
 
 
@@ -34,19 +38,21 @@ ONE_NUMBER = re.compile(r"(?<![\w.,])\d+(?:[.,]\d+)?(?![\w]*\d)")
 class Table:
     """Names and units of the columns, and the rows as text with their lines.
 
-    ``names`` are the numbers of the columns, from 1, where no line has names.
+    ``names`` are the numbers of the columns, from 1, where no line has names; ``groups`` what the
+    line above them says of each, as of several plates with columns of the same names.
     """
 
     separator: str
     names: tuple[str, ...]
     units: tuple[str, ...]
+    groups: tuple[str, ...]
     above: tuple[str, ...]
     rows: list[list[str]]
     lines: list[int]
     remarks: tuple[str, ...]
 
 
-def table_of(text: str, knows: Callable[[Sequence[str], Sequence[str]], int]) -> Table:
+def table_of(text: str, knows: Knows) -> Table:
     """Find the table in a text; ``knows`` says how many columns it knows by names and units.
 
     Raises
@@ -55,7 +61,7 @@ def table_of(text: str, knows: Callable[[Sequence[str], Sequence[str]], int]) ->
         if there is none.
     """
     lines = re.split(r"\r\n|\n|\r", text)
-    separator, width, numeric = _separator(lines)
+    separator, width, numeric = _separator(lines, knows)
     start = 0
     while not _is_first(_cells(lines[start], separator), width, numeric):
         start += 1
@@ -64,7 +70,7 @@ def table_of(text: str, knows: Callable[[Sequence[str], Sequence[str]], int]) ->
     while start and _is_nothing(_cells(lines[start - 1], separator), width):
         start -= 1
     above = [_cells(line, separator) for line in lines[:start]]
-    names, units = _names(above, width, knows)
+    names, units, groups = _names(above, width, knows)
     if names and 2 * len(names) <= width and separator == ",":
         raise InputError(
             f"rows have {width} entries under {len(names)} names; are decimal commas not in "
@@ -75,6 +81,7 @@ def table_of(text: str, knows: Callable[[Sequence[str], Sequence[str]], int]) ->
         separator,
         tuple(names) or tuple(str(n) for n in range(1, width + 1)),
         tuple(units),
+        tuple(groups),
         tuple(lines[:start]),
         rows,
         places,
@@ -158,7 +165,7 @@ def _is_nothing(cells: Sequence[str], width: int) -> bool:
     return len(cells) == width and all(cell.strip().lower() in NOTHING for cell in cells)
 
 
-def _separator(lines: Sequence[str]) -> tuple[str, int, list[int]]:
+def _separator(lines: Sequence[str], knows: Knows) -> tuple[str, int, list[int]]:
     """Return what separates the columns, how many there are, and which of them hold numbers.
 
     That by which most lines in the middle have numbers in the same columns.
@@ -176,6 +183,11 @@ def _separator(lines: Sequence[str]) -> tuple[str, int, list[int]]:
         # of equally good ones the first: "0,1;0,2" is in two columns
         if count > best[0]:
             best = (count, separator, numeric, width)
+    if best[0] < 2 and any(_is_one_sample(filled, each, knows) for each in SEPARATORS):
+        raise InputError(
+            f"it holds one sample; sway needs {SHORTEST:g} s of samples at the least, and its "
+            f"frequencies {ENOUGH:g} s"
+        )
     if best[0] < 2:
         raise InputError(
             "it holds no table of numbers in two or more columns; give a CSV or text file with a "
@@ -185,17 +197,26 @@ def _separator(lines: Sequence[str]) -> tuple[str, int, list[int]]:
     return separator, width, list(numeric)
 
 
-def _names(
-    above: Sequence[Sequence[str]], width: int, knows: Callable[[Sequence[str], Sequence[str]], int]
-) -> tuple[list[str], list[str]]:
-    """Return the names of the columns and the units in a line below them, if there are such.
+def _is_one_sample(filled: Sequence[str], separator: str, knows: Knows) -> bool:
+    """Return whether a line of good names is followed by numbers; several would be a table."""
+    rows = [[cell.strip() for cell in _cells(line, separator)] for line in filled]
+    named = next((place for place, cells in enumerate(rows) if knows(cells, []) > 1), len(rows))
+    return any(any(map(_is_number, cells)) for cells in rows[named + 1 :])
 
-    The line nearest to the table of which the most columns are known, else the nearest of words.
+
+def _names(
+    above: Sequence[Sequence[str]], width: int, knows: Knows
+) -> tuple[list[str], list[str], list[str]]:
+    """Return the names of the columns, the units in a line below them, and groups in one above.
+
+    Units and groups are empty where there are none. The names are the line nearest to the table of
+    which the most columns are known, else the nearest of words.
     """
-    best: tuple[int, list[str], list[str]] = (0, [], [])
+    best: tuple[int, list[str], list[str], list[str]] = (0, [], [], [])
     nearest: tuple[list[str], list[str]] | None = None
     units: list[str] = []
-    for cells in reversed(above[-40:]):
+    last = above[-40:]
+    for place, cells in reversed([*enumerate(last)]):
         plain = [cell.strip() for cell in cells]
         if sum(map(bool, plain)) < 2 or any(map(_is_number, plain)):
             continue
@@ -206,10 +227,24 @@ def _names(
         nearest = nearest or (plain, below)
         known = knows(plain, below)
         if known > best[0]:
-            best = (known, plain, below)
+            best = (known, plain, below, _groups(last[place - 1], width) if place else [])
     if best[0]:
-        return best[1], best[2]
-    return (nearest[0], nearest[1]) if nearest and len(nearest[0]) >= 0.5 * width else ([], units)
+        return best[1], best[2], best[3]
+    if nearest and len(nearest[0]) >= 0.5 * width:
+        return nearest[0], nearest[1], []
+    return [], units, []
+
+
+def _groups(cells: Sequence[str], width: int) -> list[str]:
+    """Return what a line says of the columns that follow each of its words, if it is of plates."""
+    words = [cell.strip() for cell in cells]
+    if len(words) > width or not any(map(OF_PLATES.search, words)):
+        return []
+    groups, group = [], ""
+    for word in words:
+        group = word or group
+        groups.append(group)
+    return groups + [group] * (width - len(groups))
 
 
 def _rows(

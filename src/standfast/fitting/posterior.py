@@ -140,7 +140,8 @@ def lattice_of(
     own = np.stack(between, axis=1) if between else np.zeros((logarithm.size, 0))
     outside = ((own < low) | (own > high)).any(axis=1)
     logarithm = np.where(outside, -np.inf, logarithm.ravel())
-    at_limit: np.ndarray = near_limits(own, low, high).any(axis=0)
+    below, above = near_limits(own, low, high)
+    at_limit: np.ndarray = below | above
     # beyond a limit numbers are only needed to interpolate to it
     within = ((points >= low) & (points <= high)).all(axis=-1)
     weight = np.minimum(weight, weight[within].max())

@@ -31,8 +31,9 @@ from standfast.fitting.family import (
 from standfast.fitting.likelihood import Likelihood
 from standfast.fitting.measured import POSSIBLE, Measured, checked_measures, may_be
 from standfast.fitting.moments import FREQUENCY
-from standfast.fitting.region import CONFIDENCE, RISE, Region, region_of
+from standfast.fitting.posterior import CONFIDENCE, Posterior, near_limits
 from standfast.fitting.result import Estimate, Fitted, SwayFit
+from standfast.fitting.ridge import posterior_of
 from standfast.fitting.search import coarse_grid, minima_of
 from standfast.fitting.words import NAMES, status_of
 from standfast.mechanics.feedback import Feedback
@@ -42,6 +43,7 @@ from standfast.mechanics.laws import LAWS
 from standfast.parameters import JOINTS, PARAMETERS, STANDARD_GRAVITY, checked_number
 
 LEAST_P = 1.0 - CONFIDENCE  # below it the law does not explain the measures
+REACHED = float(stats.chi2.ppf(CONFIDENCE, 1))  # of Q: the measures are reached within their chance
 
 
 @says_its_arguments()
@@ -139,11 +141,11 @@ def _result(likelihood: Likelihood, given: Measured) -> SwayFit:
     minima = minima_of(likelihood, coarse)
     if not minima:
         raise InputError(_nobody_stands(family))
-    region, best = region_of(likelihood, coarse, minima)
+    posterior, best = posterior_of(likelihood, coarse, minima)
     found = likelihood.moments(best)
     if found is None:
         raise ArithmeticError("the most likely person does not stand")
-    parameters, margins = _estimates(points, region, best)
+    parameters, margins = _estimates(points, posterior, best)
     spread = np.sqrt(np.diagonal(found.covariance))
     measures = {
         name: Fitted(given.values[name], float(np.exp(mean)), float(each), POSSIBLE[name][2])
@@ -180,7 +182,7 @@ def _tested(misfit: float, left: int) -> tuple[float | None, bool | None]:
     if left > 0:
         p_value = float(stats.chi2.sf(misfit, left))
         return p_value, p_value >= LEAST_P
-    return None, None if misfit <= RISE else False
+    return None, None if misfit <= REACHED else False
 
 
 def _checked_family(
@@ -211,7 +213,7 @@ def _checked_family(
 
 
 def _estimates(
-    points: Points, region: Region, best: np.ndarray
+    points: Points, posterior: Posterior, best: np.ndarray
 ) -> tuple[dict[str, Estimate], dict[str, Estimate]]:
     """Return parameters and margins with their intervals."""
     free = points.family.free
@@ -224,13 +226,15 @@ def _estimates(
         values, margins = points.values(point), points.margins(point)
         return np.array([*(values[name] for name in names), *margins.values()])
 
-    intervals, at_edges = region.intervals(numbers, len(names) + len(MARGINS))
+    intervals, open_ends = posterior.intervals(numbers, len(names) + len(MARGINS))
     ends = dict(zip((*names, *MARGINS), intervals, strict=True))
-    # of a coordinate only its own limit is an end that is open
-    reach = dict(zip((*names, *MARGINS), [*region.open, *at_edges[len(names) :]], strict=True))
+    reach = dict(zip((*names, *MARGINS), open_ends, strict=True))
     if NOISE in free:
-        of_noise, reach[NOISE] = region.noise()
+        of_noise, reach[NOISE] = posterior.noise_interval()
         ends[NOISE] = np.exp(of_noise)
+    # who is most likely at a limit may be beyond it, however little of the weight is there
+    for name, at_limit in zip(free, near_limits(best, *points.bounds).T, strict=True):
+        reach[name] = np.logical_or(reach[name], at_limit)
     values, margins = points.values(best), points.margins(best)
 
     def of(name: str, value: float) -> Estimate:

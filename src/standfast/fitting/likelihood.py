@@ -17,6 +17,7 @@ from standfast.fitting.family import NOISE, Points
 from standfast.fitting.moments import FREQUENCY, Moments, moments, readings_of
 from standfast.fitting.window import Window
 from standfast.numerics.arrays import TURN
+from standfast.stability.sway.density import Swaying, characteristic
 from standfast.stability.sway.responses import responses
 
 
@@ -29,6 +30,10 @@ class Target(NamedTuple):
     low_pass: float
 
 
+# Most that det H⁻¹ may turn between two frequencies of a window (rad): with more a resonance is
+# narrower than they show, and its ringing no stationary process within minutes (a decay slower than
+# 0.02 1/s in 60 s, than 0.002 1/s in 1,200 s).
+MOST_TURN = 1.2
 # c a measure: no measure is known better than to 1e-7, whatever it is beside the others.
 LEAST = 32.0
 
@@ -86,7 +91,7 @@ class Likelihood:
         return np.array([name != FREQUENCY for name in self.target.measures], float)
 
     def moments(self, point: np.ndarray, *, slopes: bool = True) -> Moments | None:
-        """Return the moments of the measures, None who falls.
+        """Return the moments of the measures, None who falls, or rings too long for the window.
 
         With ``slopes`` their derivatives along all coordinates.
         """
@@ -95,6 +100,8 @@ class Likelihood:
             return None
         measures, _, window, low_pass = self.target
         swaying, free = candidate.swaying, self.points.family.free
+        if rings(swaying, TURN * window.hertz):
+            return None
         response, slope = responses(
             swaying,
             self.points.rigid[:, 0],
@@ -148,3 +155,13 @@ class Likelihood:
                 np.append(-np.linalg.solve(root, mean) - half @ rho, 0.5 * np.trace(inner) / last)
             )
         return np.append(rho, last), np.stack(columns, axis=1)
+
+
+def rings(swaying: Swaying, omega: np.ndarray) -> bool:
+    """Return whether a person has a resonance that evenly spaced frequencies from 0 do not show.
+
+    Slow drift, a pole next to 0, is none: what it adds is far from 0 as smooth as all else.
+    """
+    determinant = np.asarray(characteristic(swaying, omega))[1:]
+    turns = np.angle(determinant[1:] * determinant[:-1].conj())
+    return bool((abs(turns) > MOST_TURN).any())

@@ -79,15 +79,25 @@ def minima_of(likelihood: Likelihood, grid: Grid) -> list[np.ndarray]:
     return [settled(likelihood, grid.point(place, free)) for place in places[:STARTS]]
 
 
-def settled(likelihood: Likelihood, start: np.ndarray) -> np.ndarray:
-    """Return the most likely point near a start."""
+def settled(
+    likelihood: Likelihood, start: np.ndarray, *, held: int | None = None, steps: int = STEPS
+) -> np.ndarray:
+    """Return the most likely point near a start, of those with its coordinate ``held`` if given."""
     low, high = likelihood.points.bounds
+    moving = [k for k in range(start.size) if k != held]
+    point = start.astype(float)
+    if not moving:
+        return point
+
+    def whole(coordinates: np.ndarray) -> np.ndarray:
+        point[moving] = coordinates
+        return point
+
     found = optimize.least_squares(
-        likelihood.residual,
-        np.clip(start, low + 1e-9, high - 1e-9),
-        likelihood.slope,
-        bounds=(low, high),
-        max_nfev=STEPS,
+        lambda coordinates: likelihood.residual(whole(coordinates)),
+        np.clip(start, low + 1e-9, high - 1e-9)[moving],
+        lambda coordinates: likelihood.slope(whole(coordinates))[:, moving],
+        bounds=(low[moving], high[moving]),
+        max_nfev=steps,
     )
-    point: np.ndarray = found.x
-    return point
+    return whole(found.x)

@@ -44,7 +44,7 @@ def status_of(
         open_to_it = ", ".join(NAMES[name] for name in parameters)
         said = [
             f"{law} does not explain the measures, whatever its {open_to_it}: the nearest person "
-            f"has {ratio:.2g} times {more} {NAMES[worst]}. Margins are those of this person, and "
+            f"has {ratio:.3g} times {more} {NAMES[worst]}. Margins are those of this person, and "
             "mean little."
         ]
     for name, estimate in parameters.items():

@@ -60,7 +60,7 @@ def test_its_figure_is_that_of_the_results():
     """The journal is given the paper's folder alone, so a copy lies there."""
     (name,) = re.findall(r"!\[[^]]*\]\(([^)]*)\)", TEXT)
     copy, made = ROOT / "paper" / name, RESULTS / "atlas" / name
-    assert copy.read_bytes() == made.read_bytes()
+    assert copy.read_bytes() == made.read_bytes(), f"copy {made.relative_to(ROOT)} to paper/"
 
 
 def said(pattern):

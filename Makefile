@@ -5,6 +5,7 @@
 #   make test       set up, then run the tests
 #   make check      format, lint, types, tests
 #   make docs       the documentation into docs/_build/html (about two minutes)
+#   make docs-check the same without its output and figures: references, links (half a minute)
 #   make bench      every benchmark, and results/benchmarks/README.md (about twenty minutes)
 #   make reproduce  the 2007 paper, number by number
 #   make check-all  make check on every Python from 3.11 on that is at hand
@@ -14,9 +15,10 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 PYTHONS := 3.11 3.12 3.13 3.14
+SPHINX := $(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet -b html
 PAGE := $(wildcard src/standfast/explore/page/*.js)
 
-.PHONY: atlas feedback population test check docs bench reproduce check-all man dist format clean
+.PHONY: atlas feedback population test check docs docs-check bench reproduce check-all man dist format clean
 .DELETE_ON_ERROR:
 
 atlas: $(VENV)/run.stamp
@@ -60,8 +62,13 @@ check: $(VENV)/check.stamp
 
 docs: $(VENV)/docs.stamp
 	rm -rf docs/_build docs/copied docs/gallery docs/reference/generated
-	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet \
-	  -b html -d docs/_build/doctrees docs docs/_build/html
+	$(SPHINX) -d docs/_build/doctrees docs docs/_build/html
+
+# What pages run is run by the tests, and half of the time of a build; a cell that was not run has no language.
+docs-check: $(VENV)/docs.stamp
+	rm -rf docs/_build docs/copied docs/gallery docs/reference/generated
+	$(SPHINX) -D nb_execution_mode=off -D suppress_warnings=myst-nb.lexer -D plot_gallery=0 \
+	  -d docs/_build/unrun docs docs/_build/links
 
 # Each Python has an environment of its own, which is kept; what is not at hand is said.
 check-all:

@@ -278,7 +278,7 @@ def report(rows: list[list[str]], count: int) -> str:
     others = sorted({answer for _, answer in tally} - set(ANSWERS))
     columns = [*ANSWERS, *others]
     lines = [
-        "# Altered files",
+        "# Files altered at random, and whether standfast reads wrong numbers from them",
         "",
         f"Made by `python benchmarks/altered.py {count}`, standfast {sf.__version__}, seed {SEED}.",
         "Copies of good files were altered (bits flipped, bytes changed, cut short, blocks zeroed",

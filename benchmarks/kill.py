@@ -275,7 +275,7 @@ def main() -> None:
             print(*rows[-1], sep="\t", flush=True)
     landed = sum(int(row[3]) for row in rows)
     lines = [
-        "# Commands killed",
+        "# Commands killed at any moment, and whether the same command finishes them",
         "",
         f"Made by `python benchmarks/kill.py {kills}`, standfast {sf.__version__}, seed {SEED}:",
         f"{landed} kills by SIGKILL, half of them at an exact event of the disk (a file opened,",

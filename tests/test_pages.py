@@ -5,6 +5,7 @@ import csv
 import math
 import re
 import shutil
+import subprocess
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -176,6 +177,31 @@ def test_a_page_leads_to_what_is_there(page):
         assert path.exists(), target
         assert path.is_relative_to(ROOT), target
         assert not anchor or anchor in anchors(path), f"{target}#{anchor}"
+
+
+def test_the_lines_of_r_read_what_is_in_the_file(desk):
+    """The page's own lines; R counts axes the other way round, and from 1."""
+    if shutil.which("Rscript") is None:
+        pytest.skip("R is not at hand")
+    loaded = ["Rscript", "-e", "library(rhdf5)"]
+    if subprocess.run(loaded, capture_output=True, check=False).returncode:
+        pytest.skip("rhdf5 is not at hand in R")
+    study = copy.deepcopy(GOOD)
+    study["body"] = {"model": "winter", "height": 1.66, "mass": 68}
+    joints = {"ankle": [500, 900, 1500, 2000], "knee": [1200, math.inf], "hip": [300, 500, 900]}
+    study["stiffness"] = joints
+    sf.sweep(study, "study.h5")
+    page = (DOCS / "how-to" / "matlab-and-r.md").read_text("utf-8")
+    (lines,) = re.findall(r"^```r\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    asked = "cat('told', dim(verdict), sum(verdict), verdict[4, 1, 2], ankle, mean(verdict))"
+    Path("page.R").write_text(f"{lines}\n{asked}\n", encoding="utf-8")
+    done = subprocess.run(["Rscript", "page.R"], capture_output=True, text=True, check=True)
+    told = [float(word) for word in done.stdout.partition("told")[2].split()]
+    with sf.open_atlas("study.h5") as atlas:
+        verdict, ankle = atlas["stable"][...], atlas.axes["ankle_stiffness"]
+        assert 0 < verdict.sum() < verdict.size
+        expected = [*verdict.shape, verdict.sum(), verdict[3, 0, 1], *ankle, verdict.mean()]
+    assert told == pytest.approx(expected, rel=1e-6)  # R prints seven digits
 
 
 WRONG = {

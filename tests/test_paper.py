@@ -56,6 +56,13 @@ def test_what_is_cited_is_listed_and_what_is_listed_is_cited():
             assert {"journal", "volume", "year", "doi"} <= entry.fields.keys(), key
 
 
+def test_its_figure_is_that_of_the_results():
+    """The journal is given the paper's folder alone, so a copy lies there."""
+    (name,) = re.findall(r"!\[[^]]*\]\(([^)]*)\)", TEXT)
+    copy, made = ROOT / "paper" / name, RESULTS / "atlas" / name
+    assert copy.read_bytes() == made.read_bytes(), f"copy {made.relative_to(ROOT)} to paper/"
+
+
 def said(pattern):
     """The numbers of the one place of the paper that reads like this."""
     (found,) = re.findall(pattern, " ".join(TEXT.split()))

@@ -7,7 +7,6 @@ import sys
 import tomllib
 from pathlib import Path
 
-import jinja2
 import pytest
 import yaml
 
@@ -24,7 +23,7 @@ OPEN = {
     "CODE_OF_CONDUCT.md",
     "RELEASE.md",
     "SUPPORT.md",
-    "conda/meta.yaml",
+    "conda/recipe.yaml",
     "paper/paper.md",
     "pyproject.toml",
 }
@@ -72,19 +71,11 @@ def test_the_man_page_is_set_without_a_warning(man_page):
 
 
 def recipe():
-    """The conda recipe, filled in as conda-build does."""
-
-    def data(path, *, from_recipe_dir):
-        return tomllib.loads((ROOT / "conda" / path).read_text("utf-8"))
-
-    def expression(path, pattern, *, from_recipe_dir):
-        return re.search(pattern, (ROOT / "conda" / path).read_text("utf-8"))
-
-    text = (ROOT / "conda" / "meta.yaml").read_text("utf-8")
-    filled = jinja2.Template(text, undefined=jinja2.StrictUndefined).render(
-        load_file_data=data, load_file_regex=expression, PYTHON="python"
-    )
-    return yaml.safe_load(filled)
+    """The conda recipe, with what its context says filled in."""
+    text = (ROOT / "conda" / "recipe.yaml").read_text("utf-8")
+    for name, value in yaml.safe_load(text)["context"].items():
+        text = text.replace(f"${{{{ {name} }}}}", value)
+    return yaml.safe_load(text)
 
 
 def by_condas_names(requirements):
@@ -96,12 +87,29 @@ def by_condas_names(requirements):
 def test_the_recipe_needs_what_the_package_needs():
     found = recipe()
     needed = {f"python {PROJECT['requires-python']}"} | by_condas_names(PROJECT["dependencies"])
-    assert set(found["requirements"]["run"]) == needed
+    on_posix = {"__unix"}  # as a classifier of the project says
+    assert set(found["requirements"]["run"]) == needed | on_posix
+    assert any("POSIX" in classifier for classifier in PROJECT["classifiers"])
     assert found["package"]["version"] == standfast.__version__
     assert found["about"]["license"] == PROJECT["license"]
-    (script,) = found["build"]["entry_points"]
+    assert found["about"]["summary"] == PROJECT["description"]
+    (script,) = found["build"]["python"]["entry_points"]
     assert script == f"standfast = {PROJECT['scripts']['standfast']}"
     assert by_condas_names(["isal>=1.7", "rich>=13"]) == {"python-isal >=1.7", "rich >=13"}
+
+
+def test_the_recipe_is_read_by_the_tool_that_builds_it(tmp_path):
+    """Keys that the format does not have are refused, and variables that nothing gives."""
+    rattler_build = pytest.importorskip("rattler_build", reason="py-rattler-build is not at hand")
+    reading, variants = rattler_build.Stage0Recipe.from_file, rattler_build.VariantConfig()
+    (rendered,) = reading(ROOT / "conda" / "recipe.yaml").render(variants)
+    assert rendered.recipe.package.version == standfast.__version__
+    text = (ROOT / "conda" / "recipe.yaml").read_text("utf-8")
+    for right, wrong in (("entry_points:", "entrypoints:"), ("{ python_min }", "{ python_mn }")):
+        path = tmp_path / "recipe.yaml"
+        path.write_text(text.replace(right, wrong), encoding="utf-8")
+        with pytest.raises(rattler_build.RattlerBuildError):
+            reading(path).render(variants)
 
 
 def test_the_image_is_given_what_it_needs():
@@ -115,16 +123,17 @@ def test_the_image_is_given_what_it_needs():
 
 
 def test_the_version_stands_in_one_place():
+    """And in the recipe, which is to be sent alone; its test above compares it."""
     assert PROJECT["dynamic"] == ["version"]
     written = re.compile(rf"\b{re.escape(standfast.__version__)}\b")
-    for name in ("pyproject.toml", "conda/meta.yaml", "CITATION.cff", "Makefile"):
+    for name in ("pyproject.toml", "CITATION.cff", "Makefile"):
         assert not written.search((ROOT / name).read_text("utf-8")), name
 
 
 def test_what_only_owners_know_is_marked_and_listed():
     texts = [*ROOT.glob("*.md"), *ROOT.glob("*.toml"), *ROOT.glob("*.cff")]
     texts += [*ROOT.glob("conda/*"), *ROOT.glob("paper/*"), *ROOT.glob("docs/*.md")]
-    marked = {p.relative_to(ROOT).as_posix() for p in texts if "FILL IN" in p.read_text("utf-8")}
+    marked = {p.relative_to(ROOT).as_posix() for p in texts if b"FILL IN" in p.read_bytes()}
     assert marked == OPEN
     listed = (ROOT / "RELEASE.md").read_text("utf-8")
     assert all(f"`{name}`" in listed for name in OPEN - {"RELEASE.md"})

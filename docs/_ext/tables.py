@@ -144,7 +144,10 @@ class Table(SphinxDirective):
         head, *rows = self.rows()
         lines = [head, ("---",) * len(head), *rows]
         cells = [[cell.replace("|", r"\|") for cell in row] for row in lines]
-        return self.parse_text_to_nodes("\n".join(f"| {' | '.join(row)} |" for row in cells))
+        printed = self.parse_text_to_nodes("\n".join(f"| {' | '.join(row)} |" for row in cells))
+        for table in printed:
+            table["classes"].append("described")  # by its last column, as the style knows
+        return printed
 
 
 class ParameterTable(Table):

@@ -1,6 +1,7 @@
 """Files that are whole or not there: one way to write them, and to say how large they are."""
 
 import contextlib
+import difflib
 import errno
 import glob
 import os
@@ -14,6 +15,8 @@ from typing import Any, BinaryIO, TextIO
 from standfast.errors import InputError, shortened
 
 PARTIAL = ".partial"
+# How alike two names are, from 0 to 1, of which one may be a slip for the other.
+NEAR = 0.6
 # How the names of columns of a table say units.
 COLUMN_UNITS = {
     "mm²": "mm2", "mm/s": "mm_s", "m/s": "m_s", "°": "deg", "1/s": "per_s", "N·m/rad": "Nm_rad",
@@ -26,6 +29,17 @@ def checked_path(name: str, given: Any) -> Path:
     if not isinstance(given, str | os.PathLike):
         raise InputError(f"{name} = {shortened(given)} is not the name of a file")
     return Path(given)
+
+
+def nearest_file(path: Path, suffix: str) -> str:
+    """Return ``"; did you mean 'x.toml'?"`` if a file of that name nearly lies in the folder.
+
+    Only files that end in ``suffix`` are named. Their names are compared without it, as it would
+    make all of them alike.
+    """
+    names = {each.stem: each.name for each in path.parent.glob(f"*{glob.escape(suffix)}")}
+    close = difflib.get_close_matches(path.stem, names, n=1, cutoff=NEAR)
+    return f"; did you mean {str(path.with_name(names[close[0]]))!r}?" if close else ""
 
 
 def partial_name(path: Path) -> Path:

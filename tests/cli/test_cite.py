@@ -93,6 +93,25 @@ def test_works_that_are_no_articles_and_authors_of_every_kind(capsys, tmp_path, 
     assert str(group) == "{The Balance Group, Ltd.}"
 
 
+def test_works_of_one_author_and_year_get_letters(capsys, tmp_path, monkeypatch):
+    """BibTeX takes a key once; the second entry would be lost, or the file refused."""
+    content = yaml.safe_load(FILE.read_text("utf-8"))
+    doe = [{"family-names": "Doe"}]
+    works = [("One", 2013), ("Two", 2014), ("Three", 2013), ("Four", 2013)]
+    content["references"] += [
+        {"type": "report", "title": title, "year": year, "authors": doe} for title, year in works
+    ]
+    path = tmp_path / "CITATION.cff"
+    path.write_text(yaml.safe_dump(content), encoding="utf-8")
+    monkeypatch.setattr(cite, "citation_file", lambda: path)
+    found = entries(capsys)
+    titles = {key: entry.fields["title"] for key, entry in found.items() if "doe" in key}
+    assert titles == {
+        "doe2013a": "{One}", "doe2014": "{Two}", "doe2013b": "{Three}", "doe2013c": "{Four}",
+    }  # fmt: skip
+    assert "edwards2007" in found
+
+
 def test_the_file_is_one():
     """A wheel has it inside; in a checkout there is none but that of the root."""
     if not FILE.exists():

@@ -33,8 +33,10 @@ WRONG = [
     ("population.sise", 5, "[population] has no key 'sise'; did you mean 'size'?"),
     ("population", None, "[population] is missing: say people or builtin, and size"),
     ("stiffness", None, "[stiffness.ankle], [stiffness.knee] and [stiffness.hip] are missing"),
-    ("stiffness.knee", None, "[stiffness.knee] is missing; for a rigid knee write"),
-    ("stiffness.knee", 500.0, "stiffness.knee = 500.0 is not a law; write [stiffness.knee] with"),
+    ("stiffness.knee", None, "[stiffness.knee] is missing; for a rigid knee write knee = inf in"),
+    ("stiffness.knee", "stiff", "stiffness.knee = 'stiff' is not a law; write [stiffness.knee]"),
+    ("stiffness.knee", True, "stiffness.knee = True is not a law; write [stiffness.knee] with"),
+    ("stiffness.knee", -1.0, "stiffness.knee.value = -1 is outside the allowed range"),
     ("stiffness.ankle.sd", -0.3, "stiffness.ankle.sd = -0.3 is outside the allowed range"),
     ("stiffness.ankle.sd", None, "stiffness.ankle.sd is missing; normal takes mean, sd"),
     ("stiffness.ankle.mean", math.nan, "stiffness.ankle.mean is NaN"),
@@ -137,6 +139,18 @@ def test_a_joint_that_is_not_random_cannot_be_correlated():
     content["stiffness"]["correlation"] = [[1, 0.5, 0], [0.5, 1, 0], [0, 0, 1]]
     with pytest.raises(sf.InputError, match="the stiffness of the knee is not random; put 0 there"):
         PopulationStudy.from_dict(content)
+
+
+@pytest.mark.parametrize("stiffness", [math.inf, 500.0, 0])
+def test_a_plain_number_is_the_stiffness_of_everybody(stiffness):
+    """As in a study of a grid, where inf is rigid; it is the same study as with a table."""
+    table = {"distribution": "fixed", "value": stiffness}
+    plain, written = (
+        PopulationStudy.from_dict(changed("stiffness.knee", given)) for given in (stiffness, table)
+    )
+    assert plain.canonical == written.canonical
+    other = PopulationStudy.from_dict(changed("stiffness.knee", 501.0))
+    assert other.fingerprint != plain.fingerprint
 
 
 def test_too_many_persons_to_keep_are_refused():

@@ -18,7 +18,7 @@ import numpy as np
 
 from standfast.atlas.encoding import constant_in, decoded
 from standfast.errors import InputError
-from standfast.files import opened_plainly
+from standfast.files import nearest_file, opened_plainly
 from standfast.run.machine import cores
 from standfast.study.grid import CHUNK_BYTES
 
@@ -52,7 +52,11 @@ def hdf5_file(path: Path) -> h5py.File:
             signature = raw.read(len(HDF5_SIGNATURE))
     except FileNotFoundError:
         begun = path.with_name(path.name + ".parts").is_dir()
-        hint = ", only the beginnings of it: run the same command again to finish" if begun else ""
+        hint = (
+            ", only the beginnings of it: run the same command again to finish"
+            if begun
+            else nearest_file(path, ".h5")
+        )
         raise InputError(f"{path}: there is no such file{hint}") from None
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}") from None

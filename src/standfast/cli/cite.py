@@ -1,6 +1,8 @@
 """``standfast cite``: the paper and the software as BibTeX, out of ``CITATION.cff``."""
 
 import argparse
+import string
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -44,10 +46,20 @@ def _works(content: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
     yield "standfast", {**content, "version": __version__}
     if "preferred-citation" in content:
         yield "standfast-paper", content["preferred-citation"]
-    for work in content["references"]:
-        first = _surname(work["authors"][0])
-        letters = "".join(filter(str.isalnum, first))  # a blank would end the key
-        yield f"{letters}{work.get('year', '')}".lower(), work
+    works = content["references"]
+    keys = [_key(work) for work in works]
+    letters = {
+        key: iter(string.ascii_lowercase) for key, times in Counter(keys).items() if times > 1
+    }
+    for key, work in zip(keys, works, strict=True):
+        yield (key + next(letters[key]) if key in letters else key), work
+
+
+def _key(work: dict[str, Any]) -> str:
+    """Return the first author's name with the year; works that share it get a, b, as in texts."""
+    first = _surname(work["authors"][0])
+    letters = "".join(filter(str.isalnum, first))  # a blank would end the key
+    return f"{letters}{work.get('year', '')}".lower()
 
 
 def _entry(key: str, work: dict[str, Any]) -> str:

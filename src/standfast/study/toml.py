@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from standfast.errors import InputError
-from standfast.files import checked_path, opened_plainly
+from standfast.files import checked_path, nearest_file, opened_plainly
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:
@@ -16,7 +16,8 @@ def read_toml(path: str | Path) -> dict[str, Any]:
         with io.TextIOWrapper(opened_plainly(path), encoding="utf-8-sig") as file:
             text = file.read()
     except FileNotFoundError:
-        raise InputError(f"{path}: there is no such study file") from None
+        near = nearest_file(path, ".toml")
+        raise InputError(f"{path}: there is no such study file{near}") from None
     except IsADirectoryError:
         raise InputError(f"{path} is a folder; give a study file") from None
     except UnicodeDecodeError:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from standfast.errors import InputError
-from standfast.files import opened_plainly
+from standfast.files import nearest_file, opened_plainly
 
 STANDARD_INPUT = "-"
 # How files begin that say how they are written.
@@ -59,7 +59,8 @@ def bytes_of(path: Path, of: str = "people") -> bytes:
         with opened_plainly(path) as file:
             return file.read()
     except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file of {of}") from None
+        near = nearest_file(path, path.suffix or ".csv")
+        raise InputError(f"{path}: there is no such file of {of}{near}") from None
     except IsADirectoryError:
         raise InputError(f"{path} is a folder; give a CSV file of {of}") from None
     except OSError as error:

@@ -1,7 +1,7 @@
 """The tables of a population's study that say how persons are, from [stiffness] to [noise].
 
-Damping, delay, gains and noise are optional, distribution by distribution; a plain number is the
-same in everybody.
+Damping, delay, gains and noise are optional, distribution by distribution. A plain number is the
+same in everybody; as a stiffness inf is a rigid joint.
 """
 
 from collections.abc import Mapping
@@ -51,11 +51,11 @@ def checked_stiffness(given: Any) -> tuple[dict[str, ParameterDistribution], Cor
     for joint in JOINTS:
         if joint not in given:
             raise InputError(
-                f"[stiffness.{joint}] is missing; for a rigid {joint} write "
-                'distribution = "fixed" and value = inf'
+                f"[stiffness.{joint}] is missing; for a rigid {joint} write {joint} = inf in "
+                "[stiffness]"
             )
     distributions = {
-        joint: checked_distribution(name, given[joint])
+        joint: checked_distribution(name, _as_table(given[joint]))
         for joint, name in zip(JOINTS, STIFFNESSES, strict=True)
     }
     correlation = given.get("correlation", UNCORRELATED)

@@ -103,11 +103,13 @@ def own_point(likelihood: Likelihood) -> np.ndarray:
 
 
 def by_measures(name: str) -> np.ndarray:
-    """Return standard errors of the coordinates by the information of the means of measures."""
+    """Return standard errors by μ'ᵀ C⁻¹ μ' + tr(C⁻¹ C' C⁻¹ C')/2 of mean and covariance."""
     likelihood = likelihood_of(name, OPEN)
     found = likelihood.moments(own_point(likelihood))
-    slope = found.mean_slope
-    return np.sqrt(np.diagonal(np.linalg.inv(slope @ np.linalg.solve(found.covariance, slope.T))))
+    of_means = found.mean_slope @ np.linalg.solve(found.covariance, found.mean_slope.T)
+    turned = np.linalg.solve(found.covariance, found.covariance_slope)
+    of_covariance = 0.5 * np.einsum("iab,jba->ij", turned, turned)
+    return np.sqrt(np.diagonal(np.linalg.inv(of_means + of_covariance)))
 
 
 def by_spectrum(name: str, free: tuple[str, ...]) -> np.ndarray:

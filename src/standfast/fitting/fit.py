@@ -5,8 +5,8 @@
 2. A law, on the person's body, has noise and gains open (:mod:`.family`). Of each point the spectra
    are known, and so expectation and covariance of the measures in recordings of this length
    (:mod:`.moments`, :mod:`.likelihood`).
-3. The most likely point, and all that the measures do not speak against (:mod:`.search`,
-   :mod:`.region`): the estimates, and intervals of parameters and of margins.
+3. The most likely point (:mod:`.search`), and the weights of all persons (:mod:`.ridge`,
+   :mod:`.posterior`): the estimates, and intervals of parameters and of margins.
 """
 
 from collections.abc import Sequence
@@ -63,7 +63,9 @@ def fit_sway(
     """Return which noise and gains of a law explain a person's sway, with 95 % intervals.
 
     The likelihood is that of the measures, of which expectation and covariance in recordings of
-    this length follow from the model's spectra; intervals are likelihood profiles. As many
+    this length follow from the model's spectra. An interval holds 95 % of all persons by their
+    weights: the likelihood, where all proportional gains above the least that holds a person up
+    are taken as equally likely, and all logarithms of noise, derivative gain and delay. As many
     measures are needed as numbers are open: a recording has three, and so its delay is the law's
     unless it is given, or takes the place of another number.
 

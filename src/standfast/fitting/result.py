@@ -14,7 +14,7 @@ class Estimate(NamedTuple):
     unit
     open : (bool, bool)
         whether the measures leave the lower and the upper end open: then it is only the limit of
-        the search, or of standing.
+        the search, or, of the proportional gain, of standing.
     """
 
     value: float

@@ -216,7 +216,7 @@ def test_a_resonance_that_no_recording_shows_is_left_out():
         point = np.array([0.0, -1.6, damped])
         if points.candidate(point) is None:
             continue
-        rates.append(points.margins(point)["decay_rate"])
+        rates.append(points.margins(point[None])["decay_rate"][0])
         for place, likelihood in enumerate(likelihoods):
             if likelihood.moments(point, slopes=False) is not None:
                 slowest[place] = min(slowest[place], rates[-1])

@@ -100,8 +100,9 @@ def test_intervals_of_a_gaussian_are_its_own(case):
     assert abs(noise - mean[0] - spread[0] * ENDS).max() < CLOSE * 4.0 * spread[0]
     both = np.array([1.0, 1.0])
 
-    def numbers(point):
-        return np.array([*point, both @ point, np.exp(point[0]), np.nan])
+    def numbers(points):
+        nothing = np.full(len(points), np.nan)
+        return np.column_stack([points, points @ both, np.exp(points[:, 0]), nothing])
 
     ends, open_ = posterior.intervals(numbers, 5)
     for row in (0, 1):
@@ -124,7 +125,7 @@ def test_four_numbers_have_intervals_too():
     likelihood = gaussian(free, (0.3, -1.0, -0.5, -2.0), (0.3, 0.5, 0.2, 0.4), 0.6)
     posterior, _ = found_of(likelihood)
     mean, covariance = shifted(likelihood)
-    ends, _ = posterior.intervals(lambda point: point, 3)
+    ends, _ = posterior.intervals(lambda points: points, 3)
     for row in range(3):
         spread = np.sqrt(covariance[1 + row, 1 + row])
         # across, 3 standard deviations hold all but 0.3 %
@@ -157,7 +158,7 @@ def test_two_thin_valleys_both_count():
     # times e^p the other valley weighs three times as much
     weights = np.array(shares) * np.exp([at[0] for at in places])
     weights /= weights.sum()
-    ends, _ = posterior.intervals(lambda point: point, 2)
+    ends, _ = posterior.intervals(lambda points: points, 2)
     for row in (0, 1):
         expected = quantiles(
             [(weight, at[row], spread[row]) for weight, at in zip(weights, places, strict=True)]
@@ -170,24 +171,32 @@ def test_two_valleys_beside_each_other_both_count():
     covariance = np.diag([0.3**2, 0.05**2])
     parts = [(0.8, np.array([-1.0, -1.5]), covariance), (0.2, np.array([-1.0, 0.5]), covariance)]
     posterior, _ = found_of(Mixed(GAINS, parts))
-    ends, _ = posterior.intervals(lambda point: point, 2)
+    ends, _ = posterior.intervals(lambda points: points, 2)
     shift = 0.3**2
     assert ends[0] == pytest.approx(-1.0 + shift + 0.3 * ENDS, abs=CLOSE * 4.0 * 0.3)
     expected = quantiles([(share, mean[1], 0.05) for share, mean, _ in parts])
     assert ends[1] == pytest.approx(expected, abs=0.1 * 0.05)
 
 
+def infinite(points):
+    return np.column_stack([points, np.full(len(points), np.inf)])
+
+
+def summed(points):
+    return np.column_stack([points, points.sum(axis=1)])
+
+
 def test_what_the_measures_do_not_tell_is_open():
     # of the derivative gain nothing is known: all of its range is as likely
     likelihood = gaussian(GAINS, (-1.0, 0.0), (0.3, 300.0), 0.0)
     posterior, _ = found_of(likelihood)
-    ends, open_ = posterior.intervals(lambda point: np.array([*point, np.inf]), 3)
+    ends, open_ = posterior.intervals(infinite, 3)
     np.testing.assert_array_equal(open_[:2], [[False, False], [True, True]])
     assert ends[1] == pytest.approx([LOW + 0.025 * 11.0, HIGH - 0.025 * 11.0], abs=0.2)
     assert np.isinf(ends[2]).all()
     # most likely at the limit, and less and less within
     steep = gaussian(GAINS, (-1.0, LOW - 0.5), (0.3, 0.05), 0.0)
     posterior, _ = found_of(steep)
-    _, open_ = posterior.intervals(lambda point: np.array([*point, point.sum()]), 3)
+    _, open_ = posterior.intervals(summed, 3)
     # of a coordinate its own limit counts, of a margin any
     np.testing.assert_array_equal(open_, [[False, False], [True, True], [True, True]])

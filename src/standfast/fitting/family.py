@@ -133,22 +133,32 @@ class Points(NamedTuple):
         changes = tuple(each[name] for name in self.family.free if slopes and name != NOISE)
         return Candidate(swaying, float(np.log(factors[NOISE])), changes)
 
-    def margins(self, point: np.ndarray) -> dict[str, float]:
-        """Return the margins of :data:`MARGINS` of who stands; NaN of what is not proven."""
-        numbers, delay = self.at(point)
-        critical = float(all_crossings(numbers, self.rigid).critical_delay()[0])
-        root, proven = all_rightmost(numbers, self.rigid, np.array([delay]))
+    def margins(self, points: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the margins of :data:`MARGINS` of points, (n, coordinates), who stand, (n,) each.
+
+        NaN of what is not proven.
+        """
+        each = [self.at(point) for point in points]
+        numbers = np.concatenate([own for own, _ in each], axis=-1)
+        delay, rigid = (
+            np.array([late for _, late in each]),
+            np.repeat(self.rigid, len(each), axis=1),
+        )
+        critical = all_crossings(numbers, rigid).critical_delay()
+        root, proven = all_rightmost(numbers, rigid, delay)
         free = np.ix_(*[np.flatnonzero(~self.rigid[:, 0])] * 2)
-        held = numbers[2, ..., 0][free] + numbers[3, ..., 0][free]
+        held = np.moveaxis((numbers[2] + numbers[3])[free], -1, 0)
         load = np.array(joint_gravity(self.family.body, self.family.gravity), float)[free]
         # K + P may be divided by s until (K + P) v = s G v has a real root s; without one by any
-        shares = _real(np.linalg.eigvals(np.linalg.solve(held + load, load)))
-        largest = max(0.0, *shares) if shares.size else 0.0
+        shares = np.linalg.eigvals(np.linalg.solve(held + load, np.broadcast_to(load, held.shape)))
+        largest = np.where(_is_real(shares), shares.real, 0.0).max(axis=-1).clip(min=0.0)
         return {
             "critical_delay": critical,
             "delay_margin": critical - delay,
-            "decay_rate": float(-root[0].real) if proven[0] else np.nan,
-            "static_gain_margin": float(1.0 / largest) if largest > 0.0 else np.inf,
+            "decay_rate": np.where(proven, -root.real, np.nan),
+            "static_gain_margin": np.divide(
+                1.0, largest, np.full_like(largest, np.inf), where=largest > 0.0
+            ),
         }
 
 
@@ -157,8 +167,8 @@ def points_of(family: Family) -> Points:
     numbers, rigid = family.numbers
     free = np.ix_(*[np.flatnonzero(~rigid[:, 0])] * 2)
     c, p = (numbers[k, ..., 0][free] for k in (2, 3))
-    real = _real(linalg.eigvals(-c, p))
-    return Points(family, numbers, rigid, float(max(0.0, *real)) if real.size else 0.0)
+    shares = linalg.eigvals(-c, p)
+    return Points(family, numbers, rigid, max(0.0, *shares[_is_real(shares)].real))
 
 
 def noisy_joints(joints: tuple[str, ...]) -> tuple[bool, ...]:
@@ -166,10 +176,10 @@ def noisy_joints(joints: tuple[str, ...]) -> tuple[bool, ...]:
     return tuple(joint in joints for joint in JOINTS)
 
 
-def _real(roots: np.ndarray) -> np.ndarray:
+def _is_real(roots: np.ndarray) -> np.ndarray:
     """Return which roots are real and finite."""
-    own: np.ndarray = roots[np.isfinite(roots) & (abs(roots.imag) < 1e-9 * (1.0 + abs(roots)))].real
-    return own
+    real: np.ndarray = np.isfinite(roots) & (abs(roots.imag) < 1e-9 * (1.0 + abs(roots)))
+    return real
 
 
 def _stands(table: Crossings, delay: float) -> bool:

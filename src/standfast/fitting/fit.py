@@ -62,12 +62,11 @@ def fit_sway(
 ) -> SwayFit:
     """Return which noise and gains of a law explain a person's sway, with 95 % intervals.
 
-    The likelihood is that of the measures, of which expectation and covariance in recordings of
-    this length follow from the model's spectra. An interval holds 95 % of all persons by their
-    weights: the likelihood, where all proportional gains above the least that holds a person up
-    are taken as equally likely, and all logarithms of noise, derivative gain and delay. As many
-    measures are needed as numbers are open: a recording has three, and so its delay is the law's
-    unless it is given, or takes the place of another number.
+    Expectation and covariance of the measures in recordings of this length follow from the model's
+    spectra. An interval holds 95 % of all persons by their likelihood, all proportional gains above
+    the least that holds a person up being taken as equally likely, and all logarithms of the rest.
+    As many measures are needed as numbers are open: a recording has three, and so its delay is the
+    law's unless it is given, or takes the place of another number.
 
     Parameters
     ----------
@@ -222,11 +221,12 @@ def _estimates(
     names = [name for name in free if name != NOISE]
 
     def numbers(coordinates: np.ndarray) -> np.ndarray:
-        point = coordinates
+        whole = coordinates
         if NOISE in free:
-            point = np.insert(coordinates, free.index(NOISE), 0.0)
-        values, margins = points.values(point), points.margins(point)
-        return np.array([*(values[name] for name in names), *margins.values()])
+            whole = np.insert(coordinates, free.index(NOISE), 0.0, axis=1)
+        values = [[points.values(point)[name] for name in names] for point in whole]
+        margins = points.margins(whole)
+        return np.column_stack([np.reshape(values, (len(whole), -1)), *margins.values()])
 
     intervals, open_ends = posterior.intervals(numbers, len(names) + len(MARGINS))
     ends = dict(zip((*names, *MARGINS), intervals, strict=True))
@@ -237,7 +237,8 @@ def _estimates(
     # who is most likely at a limit may be beyond it, however little of the weight is there
     for name, at_limit in zip(free, near_limits(best, *points.bounds).T, strict=True):
         reach[name] = np.logical_or(reach[name], at_limit)
-    values, margins = points.values(best), points.margins(best)
+    values = points.values(best)
+    margins = {name: float(each[0]) for name, each in points.margins(best[None]).items()}
 
     def of(name: str, value: float) -> Estimate:
         low, high = (float(end) for end in ends[name])

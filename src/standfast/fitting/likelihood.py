@@ -17,8 +17,8 @@ from standfast.fitting.family import NOISE, Points
 from standfast.fitting.moments import FREQUENCY, Moments, moments, readings_of
 from standfast.fitting.window import Window
 from standfast.numerics.arrays import TURN
-from standfast.stability.sway.density import Swaying, characteristic
-from standfast.stability.sway.responses import responses
+from standfast.stability.sway.density import Swaying
+from standfast.stability.sway.responses import determinant, responses
 
 
 class Target(NamedTuple):
@@ -100,7 +100,7 @@ class Likelihood:
             return None
         measures, _, window, low_pass = self.target
         swaying, free = candidate.swaying, self.points.family.free
-        if rings(swaying, TURN * window.hertz):
+        if rings(swaying, self.points.rigid[:, 0], TURN * window.hertz):
             return None
         response, slope = responses(
             swaying,
@@ -157,11 +157,12 @@ class Likelihood:
         return np.append(rho, last), np.stack(columns, axis=1)
 
 
-def rings(swaying: Swaying, omega: np.ndarray) -> bool:
+def rings(swaying: Swaying, rigid: np.ndarray, omega: np.ndarray) -> bool:
     """Return whether a person has a resonance that evenly spaced frequencies from 0 do not show.
 
     Slow drift, a pole next to 0, is none: what it adds is far from 0 as smooth as all else.
     """
-    determinant = np.asarray(characteristic(swaying, omega))[1:]
-    turns = np.angle(determinant[1:] * determinant[:-1].conj())
-    return bool((abs(turns) > MOST_TURN).any())
+    found = determinant(swaying, rigid, omega[1:])
+    turned = found[1:] * found[:-1].conj()
+    # |angle| > MOST_TURN, which is below a quarter turn
+    return bool((turned.real < np.cos(MOST_TURN) * abs(turned)).any())

@@ -61,7 +61,7 @@ class Posterior:
     def intervals(
         self, numbers: Callable[[np.ndarray], np.ndarray], count: int
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return between what ``count`` functions of the coordinates lie, (count, 2).
+        """Return between what ``count`` functions of (n, coordinates) lie, (count, 2).
 
         The coordinates, or what grows with each, come first. Beside them whether an end is open:
         most of what lies beyond is at a limit of the search, of a coordinate at its own. Points for
@@ -71,8 +71,8 @@ class Posterior:
         found = []
         for lattice in self._lattices:
             values = np.full((*lattice.weight.shape, count), np.nan)
-            for place in map(tuple, np.argwhere(lattice.weight > largest - FAINT)):
-                values[place] = numbers(lattice.points[place])
+            weighs = lattice.weight > largest - FAINT
+            values[weighs] = numbers(lattice.points[weighs])
             found.append(np.stack([finer(each).ravel() for each in np.moveaxis(values, -1, 0)]))
         ends, open_ = np.full((count, 2), np.nan), np.zeros((count, 2), bool)
         for row, each in enumerate(np.concatenate(found, axis=1)[:, self._some]):

@@ -54,13 +54,8 @@ def responses(
     (changes, readings, joints, n), the derivatives.
     """
     free = np.flatnonzero(~rigid)
-    block = np.ix_(free, free)
-    a, b, c, p, d = (matrix[block][..., None] for matrix in swaying.numbers[..., 0])
-    # NumPy's own: as quick here as those of the densities, and right at any phase
-    phase = omega * swaying.delay[0]
-    turned = np.cos(phase), np.sin(phase)
-    moments = _complex(moment(b, c, p, d, omega, turned))
-    h = _inverse(moments - omega**2 * a)
+    moments, whole, gains, turned = _matrices(swaying, free, omega)
+    h = _inverse(whole)
     by_moment, by_rotation = _weights(swaying, free, readings)
     gain = np.ones((len(readings), 1, omega.size))
     gain[[name == "cop" for name in readings]] = 1.0 / (1.0 + (omega / low_pass) ** 4)
@@ -68,9 +63,29 @@ def responses(
     rows = _product(_product(by_moment, moments) + by_rotation, h)
     found[0][:, free] = gain * rows
     for row, change in zip(found[1:], changes, strict=True):
-        moved = _moved(change, block, (p, d), omega, turned)
+        moved = _moved(change, np.ix_(free, free), gains, omega, turned)
         row[:, free] = gain * _product(_product(by_moment - rows, moved), h)
     return found[0], found[1:]
+
+
+def determinant(swaying: Swaying, rigid: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """Return det H⁻¹ of the free joints of one person, (n,): near a pole its angle turns by π."""
+    _, whole, _, _ = _matrices(swaying, np.flatnonzero(~rigid), omega)
+    found: np.ndarray = whole[0, 0] if len(whole) == 1 else np.linalg.det(np.moveaxis(whole, -1, 0))
+    return found
+
+
+def _matrices(
+    swaying: Swaying, free: np.ndarray, omega: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
+    """Return F, H⁻¹ = F − ω² A, (free, free, n), P and D, and cos ωτ and sin ωτ."""
+    block = np.ix_(free, free)
+    a, b, c, p, d = (matrix[block][..., None] for matrix in swaying.numbers[..., 0])
+    # NumPy's own: as quick here as those of the densities, and right at any phase
+    phase = omega * swaying.delay[0]
+    turned = np.cos(phase), np.sin(phase)
+    moments = _complex(moment(b, c, p, d, omega, turned))
+    return moments, moments - omega**2 * a, (p, d), turned
 
 
 def _moved(

@@ -22,7 +22,8 @@ from standfast.numerics.arrays import Array
 
 OFF_PLATE = 0.2  # of the median load
 LIGHTEST = 50.0  # N
-CARRIES = 0.05  # of the whole load: with less, a plate is stood on by nobody
+CARRIES = 0.05  # of the whole load: with less at all times, a plate is stood on by nobody
+AT_ALL_TIMES = 0.99  # of the samples: what a single one shows may be a knock
 FURTHEST = 5.0  # m
 SIDES = ("left", "right")
 
@@ -138,14 +139,15 @@ def person_on(
         if nobody stands there, or somebody not all the time, or it is not known where plates lie.
     """
     median = {plate.name: median_of(plate.load) for plate in plates}
-    whole = sum(map(abs, median.values()))
-    carrying = [plate for plate in plates if abs(median[plate.name]) >= CARRIES * whole]
+    carrying = _carrying(plates)
     said = []
     if left := [plate.name for plate in plates if plate not in carrying]:
         sizes = ", ".join(f"{abs(median[name]):.3g} N on {name}" for name in left)
         said.append(f"plates on which nobody stands are left out ({sizes} in the median)")
     places = _places([plate.name for plate in carrying], choice, one_frame=one_frame)
-    signs = [math.copysign(1.0, median[plate.name]) for plate in carrying]
+    # a plate that is stood on for a short time has a median of noise
+    mean = {plate.name: _mean_of(plate.load) for plate in carrying}
+    signs = [math.copysign(1.0, mean[plate.name]) for plate in carrying]
     load = sum(sign * plate.load for sign, plate in zip(signs, carrying, strict=True))
     first, second = (
         sum(
@@ -158,7 +160,7 @@ def person_on(
     _check_load(load, where)
     if len(carrying) > 1:
         parts = " and ".join(
-            f"{plate.name} ({abs(median[plate.name]):.3g} N"
+            f"{plate.name} ({abs(mean[plate.name]):.3g} N"
             + ("" if one_frame else ", at {:g}, {:g} m".format(*places[plate.name]))
             + ")"
             for plate in carrying
@@ -167,10 +169,27 @@ def person_on(
     return first / load, second / load, said
 
 
+def _carrying(plates: Sequence[Plate]) -> list[Plate]:
+    """Return the plates that carry a part of the person, be it for a short time."""
+    whole = median_of(sum(np.abs(plate.load) for plate in plates))
+    return [
+        plate for plate in plates
+        if _quantile(np.abs(plate.load), AT_ALL_TIMES) >= CARRIES * whole
+    ]  # fmt: skip
+
+
 def median_of(load: Array) -> float:
     """Return the median of what is there, 0 of nothing."""
+    return _quantile(load, 0.5)
+
+
+def _mean_of(load: Array) -> float:
+    return float(np.mean(load[np.isfinite(load)])) if np.isfinite(load).any() else 0.0
+
+
+def _quantile(load: Array, share: float) -> float:
     there = load[np.isfinite(load)]
-    return float(np.median(there)) if there.size else 0.0
+    return float(np.quantile(there, share)) if there.size else 0.0
 
 
 def _places(

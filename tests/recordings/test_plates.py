@@ -208,6 +208,9 @@ def test_a_plate_on_which_nobody_stands_is_left_out_and_told(tmp_path):
     is_the_whole(found)
     (told,) = [remark for remark in found.remarks if "nobody stands" in remark]
     assert "N on 2 in the median" in told
+    nothing = [np.full(TIME.size, np.nan)] * len(NAMES)  # a channel that is not plugged in
+    text = named("{name}{k}", NEWTON, first=WHOLE, second=nothing)
+    is_the_whole(read(tmp_path, text, surface=0.04))
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -171,7 +171,7 @@ def person_on(
 
 def _carrying(plates: Sequence[Plate]) -> list[Plate]:
     """Return the plates that carry a part of the person, be it for a short time."""
-    whole = median_of(sum(np.abs(plate.load) for plate in plates))
+    whole = median_of(np.nansum([np.abs(plate.load) for plate in plates], axis=0))
     return [
         plate for plate in plates
         if _quantile(np.abs(plate.load), AT_ALL_TIMES) >= CARRIES * whole

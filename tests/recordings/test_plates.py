@@ -167,6 +167,9 @@ def test_opensim_is_in_one_frame_with_y_up(tmp_path):
         np.testing.assert_array_equal(turned.ap, found.ml)
         with pytest.raises(sf.InputError, match="y points up in this file; give x or z"):
             read(tmp_path, text, ap="y")
+        with pytest.raises(sf.InputError, match="this file has all of them in one frame; leave"):
+            read(tmp_path, text, plate={"left": (0, 0.6)})
+        is_the_whole(read(tmp_path, text, plate={"left": (0, 0)}))
 
 
 @pytest.mark.parametrize("nothing", [0.0, np.nan])
@@ -229,6 +232,15 @@ def test_the_sum_of_all_plates_is_taken_where_it_is_there(tmp_path):
     is_the_whole(read(tmp_path, table(names, columns, decimals=8)))
 
 
+def test_a_height_of_the_surface_is_said_to_be_of_no_use_to_a_centre_of_pressure(tmp_path):
+    names = OF_CENTRES["centres of pressure"]
+    text = table(["t (s)", *names], [TIME, *CENTRES], decimals=8)
+    for options in ({"plate": {"2": PLACE}}, {"plate": "1"}, {"ap": names[1], "ml": names[2]}):
+        for surface, said in ((0.04, True), (0.0, False)):
+            found = read(tmp_path, text, surface=surface, **options)
+            assert ("surface=0.04 is not used, as the centre" in " ".join(found.remarks)) is said
+
+
 LEFT_ALONE = table(["t", "Left CoPx (mm)", "Left CoPy (mm)"], [TIME, MM * AP, MM * ML])
 NO_LOADS = table(
     ["t", "COPx1 (mm)", "COPy1 (mm)", "COPx2 (mm)", "COPy2 (mm)"], [TIME, *(MM * AP, MM * ML) * 2]
@@ -252,6 +264,8 @@ REFUSED = {
     "a place in mm": (TWO["Fz1"], {"plate": {"2": (0, 600)}}, "plate = 2: (0, 600) is not two numbers of m, each up to 5, is it in mm?"),
     "a place of one number": (TWO["Fz1"], {"plate": {"2": (0.6,)}}, "plate = 2: (0.6,) is not two numbers of m"),
     "a plate as a number": (TWO["Fz1"], {"plate": 2}, 'plate = 2; give the name of a plate, as plate="1", or where plates lie'),
+    "a plate beside columns": (NO_LOADS, {"plate": "1", "ap": "COPx1 (mm)", "ml": "COPy1 (mm)"}, "plate=… beside ap=… and ml=…, which name the columns"),
+    "moments in a wrong unit": (TWO["Fz1"].replace("Nm", "Nmm"), {"plate": {"2": PLACE}}, "on plate 1 alone the centre of pressure moves by"),
     "no load": (NO_LOADS, {"plate": {"2": PLACE}}, "Fz of plate 1 is missing"),
     "moments of one of two": (MOMENTS_OF_ONE, {"plate": {"2": PLACE}}, "Mx and My of plate 2 are missing"),
     "a foot": (LEFT_ALONE, {}, "only what is under the left foot is there"),

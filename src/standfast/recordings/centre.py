@@ -55,7 +55,12 @@ def centre_of(table: Table, found: Found, wanted: Wanted) -> tuple[tuple[Array, 
             else only(found.get(name, []), name)
             for name, given in (("ap", ap), ("ml", ml))
         ]
-        return _pair(table, found, pair, unit), []
+        if wanted.choice != Choice():
+            raise InputError(
+                "plate=… beside ap=… and ml=…, which name the columns of one centre of pressure; "
+                "leave one away"
+            )
+        return _pair(table, found, pair, unit), _not_used(wanted)
     if axis is None and not {*DIRECTIONS}.isdisjoint(found):
         return _of_plates(table, found, DIRECTIONS, wanted)
     said = [] if axis else [
@@ -100,7 +105,8 @@ def _of_plates(
     if measured and len(own) == 1:
         (columns,) = own.values()
         loads: Found = {"Fz": [load]} if (load := columns["Fz"]) else found
-        return _pair(table, loads, [columns[axis] for axis in axes], wanted.unit), []
+        pair = [columns[axis] for axis in axes]
+        return _pair(table, loads, pair, wanted.unit), _not_used(wanted)
     plates = [
         _loaded(table, name, columns, axes, wanted.unit)
         if measured
@@ -113,7 +119,14 @@ def _of_plates(
         lambda at: f"in line {table.lines[at]}",
         one_frame=in_ground_frame(c for columns in own.values() for c in columns.values() if c),
     )
-    return (first, second), said
+    return (first, second), [*said, *(_not_used(wanted) if measured else [])]
+
+
+def _not_used(wanted: Wanted) -> list[str]:
+    """Say that a height means nothing where the centre of pressure is in the file."""
+    if not wanted.surface:
+        return []
+    return [f"surface={wanted.surface:g} is not used, as the centre of pressure is in the file"]
 
 
 def _pair(

@@ -19,6 +19,7 @@ import numpy as np
 
 from standfast.errors import InputError, nearest_name, shortened
 from standfast.numerics.arrays import Array
+from standfast.recordings.recording import POSSIBLE, USUAL
 
 OFF_PLATE = 0.2  # of the median load
 LIGHTEST = 50.0  # N
@@ -159,6 +160,7 @@ def person_on(
     load = np.where(load == 0.0, np.nan, load)  # exactly: nothing was measured
     _check_load(load, where)
     if len(carrying) > 1:
+        said += _of_each(carrying)
         parts = " and ".join(
             f"{plate.name} ({abs(mean[plate.name]):.3g} N"
             + ("" if one_frame else ", at {:g}, {:g} m".format(*places[plate.name]))
@@ -198,6 +200,11 @@ def _places(
     """Return where the plates that carry the person lie; one that is not named is at 0, 0."""
     given = dict(choice.places or {})
     open_ones = [name for name in names if name not in given]
+    if one_frame and any(given[name] != (0.0, 0.0) for name in given):
+        raise InputError(
+            "plate=… says where plates lie, and this file has all of them in one frame; leave it "
+            'away, or name one to read alone, as plate="1"'
+        )
     if one_frame or len(names) < 2 or (given and len(open_ones) < 2):
         return {name: given.get(name, (0.0, 0.0)) for name in names}
     first, last = open_ones[0], open_ones[-1]
@@ -207,6 +214,31 @@ def _places(
         f'axes of the plates (m), as plate={{"{last}": (0, 0.6)}}, or (0, 0) if all columns are in '
         f'one frame; plate="{first}" reads one alone'
     )
+
+
+def _of_each(plates: Sequence[Plate]) -> list[str]:
+    """Say on which plates little moves, which the weight that goes to and fro would hide.
+
+    Raises
+    ------
+    InputError
+        if nothing moves there.
+    """
+    said = []
+    for plate in plates:
+        on = np.abs(plate.load) > OFF_PLATE * _quantile(np.abs(plate.load), AT_ALL_TIMES)
+        x, y = (each[on] / plate.load[on] for each in (plate.first, plate.second))
+        size = float(np.hypot(np.nanstd(x), np.nanstd(y)))
+        sentence = (
+            f"on plate {plate.name} alone the centre of pressure moves by {1e3 * size:.3g} mm "
+            "about its mean, and under a foot by some millimetres; is the unit of its lengths or "
+            "moments right?"
+        )
+        if size < POSSIBLE[0]:
+            raise InputError(sentence)
+        if size < USUAL[0]:
+            said.append(sentence)
+    return said
 
 
 def _check_load(load: Array, where: Callable[[int], str]) -> None:

@@ -266,6 +266,7 @@ REFUSED = {
     "a plate as a number": (TWO["Fz1"], {"plate": 2}, 'plate = 2; give the name of a plate, as plate="1", or where plates lie'),
     "a plate beside columns": (NO_LOADS, {"plate": "1", "ap": "COPx1 (mm)", "ml": "COPy1 (mm)"}, "plate=… beside ap=… and ml=…, which name the columns"),
     "moments in a wrong unit": (TWO["Fz1"].replace("Nm", "Nmm"), {"plate": {"2": PLACE}}, "on plate 1 alone the centre of pressure moves by"),
+    "a centre of pressure of which nothing is there": (table(["t (s)", *OF_CENTRES["centres of pressure"]], [TIME, *CENTRES[:4], np.full(TIME.size, np.nan), CENTRES[5]]), {"plate": {"2": PLACE}}, "it holds no samples of the centre of pressure"),
     "no load": (NO_LOADS, {"plate": {"2": PLACE}}, "Fz of plate 1 is missing"),
     "moments of one of two": (MOMENTS_OF_ONE, {"plate": {"2": PLACE}}, "Mx and My of plate 2 are missing"),
     "a foot": (LEFT_ALONE, {}, "only what is under the left foot is there"),

@@ -227,8 +227,11 @@ def _of_each(plates: Sequence[Plate]) -> list[str]:
     said = []
     for plate in plates:
         on = np.abs(plate.load) > OFF_PLATE * _quantile(np.abs(plate.load), AT_ALL_TIMES)
+        on &= np.isfinite(plate.first + plate.second)
+        if not on.any():  # no sample is left then, which is said of the person
+            continue
         x, y = (each[on] / plate.load[on] for each in (plate.first, plate.second))
-        size = float(np.hypot(np.nanstd(x), np.nanstd(y)))
+        size = float(np.hypot(x.std(), y.std()))
         sentence = (
             f"on plate {plate.name} alone the centre of pressure moves by {1e3 * size:.3g} mm "
             "about its mean, and under a foot by some millimetres; is the unit of its lengths or "

@@ -54,6 +54,9 @@ TWO = {
     "plate2_Fz": named("plate{k}_{name}", NEWTON),
     "Force Plate 2 - Fz": named("Force Plate {k} - {name}", NEWTON),
     "the same names in the order of the plates": named("{name}", NEWTON),
+    "the same names again, numbered by pandas": named("{name}", NEWTON).replace(
+        "My,Mz,Fx,Fy,Fz,Mx,My,Mz", "My,Mz," + ",".join(f"{name}.1" for name in NAMES), 1
+    ),
     "Vicon": "Devices\n100\n,," + ",".join(ABOVE.format(k) for k in (1, 2)) + "\nFrame,Sub Frame,"
     + ",".join(2 * NAMES) + "\n,," + ",".join(2 * ["N,N,N,N.mm,N.mm,N.mm"]) + "\n"
     + table(None, [np.arange(TIME.size), 0 * TIME, *(
@@ -267,6 +270,7 @@ REFUSED = {
     "a plate beside columns": (NO_LOADS, {"plate": "1", "ap": "COPx1 (mm)", "ml": "COPy1 (mm)"}, "plate=… beside ap=… and ml=…, which name the columns"),
     "moments in a wrong unit": (TWO["Fz1"].replace("Nm", "Nmm"), {"plate": {"2": PLACE}}, "on plate 1 alone the centre of pressure moves by"),
     "a centre of pressure of which nothing is there": (table(["t (s)", *OF_CENTRES["centres of pressure"]], [TIME, *CENTRES[:4], np.full(TIME.size, np.nan), CENTRES[5]]), {"plate": {"2": PLACE}}, "it holds no samples of the centre of pressure"),
+    "one plate beside what may be another or the sum": (named("{name}{k}", NEWTON).replace("1,", ","), {"plate": {"2": PLACE}}, "columns of plate 2 stand beside such that name no plate, and whether these are of another plate or of all is not clear; number both"),
     "no load": (NO_LOADS, {"plate": {"2": PLACE}}, "Fz of plate 1 is missing"),
     "moments of one of two": (MOMENTS_OF_ONE, {"plate": {"2": PLACE}}, "Mx and My of plate 2 are missing"),
     "a foot": (LEFT_ALONE, {}, "only what is under the left foot is there"),

@@ -92,6 +92,13 @@ def _of_plates(
     there = {
         c.plate for holds in (axes if measured else ("Mx", "My")) for c in found.get(holds, [])
     }
+    named = {c.plate for holds in held for c in found.get(holds, [])} - {""}
+    if there == {"", *named} and len(named) == 1 and not wanted.choice.alone:
+        raise InputError(
+            f"columns of plate {max(named)} stand beside such that name no plate, and whether "
+            "these are of another plate or of all is not clear; number both, as COPx1 and COPx2, "
+            "or say by ap=… and ml=… which columns are of the person"
+        )
     if "" not in there:  # no sum, so that all plates with a load count
         there |= {c.plate for c in found.get("Fz", [])} - ({""} if there else set())
     names = names_read(there, wanted.choice)

@@ -103,9 +103,9 @@ def recognised(
     for place, name in enumerate(names):
         below = units[place] if place < len(units) else ""
         once = AGAIN.sub("", name.strip())
-        plain = once if once in written else name
-        group, _, own = plain.rpartition(" - ")
-        known = _held(plain, below) or (_held(own, below) if group else None)
+        own_name = once if once in written else name
+        group, _, own = own_name.rpartition(" - ")
+        known = _held(own_name, below) or (_held(own, below) if group else None)
         if known is None:
             continue
         holds, unit, plate = known

@@ -217,7 +217,7 @@ def _places(
 
 
 def _of_each(plates: Sequence[Plate]) -> list[str]:
-    """Say on which plates little moves, which the weight that goes to and fro would hide.
+    """Say on which plates little moves, which the weight going from foot to foot would hide.
 
     Raises
     ------

@@ -115,6 +115,13 @@ def test_what_is_wrong_is_said_by_its_option(files, capsys, options, sentence):
     assert sentence in said(capsys, files[0], *options, code=2)
 
 
+def test_the_name_of_a_file_stays_as_it_is(tmp_path, capsys):
+    path = tmp_path / "rate=100 unit=mm.csv"
+    path.write_text("t,COPx,COPy\n0,1,2\n0.01,1,3\n0.02,2,3\n", encoding="utf-8")
+    message = said(capsys, path, code=2)
+    assert f"{path}: the column 'COPx' says no unit; write --unit m, --unit cm or" in message
+
+
 def test_figures_of_one_and_of_several(files, capsys):
     folder = files[0].parent
     said(capsys, files[0], "-o", folder / "one.pdf")

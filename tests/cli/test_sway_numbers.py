@@ -91,6 +91,7 @@ WRONG = {
     "too few": ((*MEASURES, *PERSON, "--fit"), "are 3 open numbers, which need 3 measures or more"),
     "a figure": ((*MEASURES, *PERSON, *FIT, "-o", "a.png"), "numbers have no path and no spectrum to draw"),
     "an option of files": ((*MEASURES, *PERSON, *FIT, "--unit", "mm"), "--unit says how recordings are read; leave it away"),
+    "a height of the surface": ((*MEASURES, *PERSON, *FIT, "--surface", "0.04"), "--surface says how recordings are read; leave it away"),
     "short": ((*MEASURES, *PERSON, *FIT, "--duration", "3"), "--fit: --duration = 3 s is outside of 5 to 1200 s"),
     "a word": ((*MEASURES, *PERSON, *FIT, "--duration", "long"), "--duration = 'long' is not a number"),
 }  # fmt: skip
@@ -100,6 +101,15 @@ WRONG = {
 def test_what_is_wrong_is_said(name, capsys):
     command, sentence = WRONG[name]
     assert sentence in said(capsys, *command, code=2)
+
+
+def test_a_table_that_is_another_is_refused_before_the_fit(capsys, tmp_path, monkeypatch):
+    path = tmp_path / "t.csv"
+    path.write_text("a,b\n1,2\n", encoding="utf-8")
+    monkeypatch.setattr("standfast.fitting.fit.fit_sway", lambda *_, **__: pytest.fail("fits"))
+    message = said(capsys, *MEASURES, *PERSON, *FIT, "--csv", path, code=2)
+    assert "is no table of standfast of this kind" in message
+    assert path.read_text(encoding="utf-8") == "a,b\n1,2\n"
 
 
 def test_a_recording_has_its_own_measures_and_duration(capsys, tmp_path):

@@ -1,6 +1,7 @@
 """A person's centre of pressure comes back out of a C3D file, however its plates lie."""
 
 import io
+import re
 
 import numpy as np
 import pytest
@@ -146,6 +147,9 @@ REFUSED = {
     "of another type": ({"TYPE": np.array([5])}, {}, "force plate 1 is of type 5; types 1 to 4 are read"),
     "more plates than described": ({"USED": np.array([2])}, {}, "the C3D file describes 2 force plates, or some of them in part"),
     "no plates": ({"USED": np.array([0])}, {}, "the C3D file describes 0 force plates"),
+    "a number of plates that is none": ({"USED": np.array([np.nan])}, {}, "the C3D file describes nan force plates"),
+    "no number of plates": ({"USED": np.array([], dtype=int)}, {}, "the C3D file describes no force plates"),
+    "a type that is no number": ({"TYPE": np.array([np.nan])}, {}, "force plate 1 is of type nan; types 1 to 4 are read"),
     "no corners": ({"CORNERS": None}, {}, "the C3D file describes 1 force plates, or some of them in part"),
     "corners in one place": ({"CORNERS": 0 * CORNERS}, {}, "the corners of force plate 1 (CORNERS) span no plate"),
     "standing on edge": ({"CORNERS": np.stack([CORNERS[0], CORNERS[1], CORNERS[0]])}, {}, "its force plates are not level"),
@@ -157,6 +161,7 @@ REFUSED = {
     "a column": ({}, {"ap": "Fx"}, "ap=Fx: of a C3D file give an axis of the laboratory, as ap=x"),
     "the axis that points up": ({}, {"ap": "z"}, "ap=z: z points up; give x or y"),
     "an axis twice": ({}, {"ap": "x", "ml": "x"}, "ap=x and ml=x are the same; give one"),
+    "another unit": ({}, {"unit": "cm"}, "unit=cm is not what the file says (POINT:UNITS is mm)"),
     "a column of time": ({}, {"time": "1"}, "is a C3D file, which has a rate"),
     "another rate": ({}, {"rate": 100}, "the file says 1000 Hz, and rate=100 is given; leave one away"),
     "a plate that is not there": ({}, {"plate": "4"}, "plate = '4' is not in the file; its plates are 1"),
@@ -170,6 +175,20 @@ def test_it_is_refused_in_a_sentence(tmp_path, name):
     with pytest.raises(sf.InputError) as told:
         sf.read_recording(path, **options)
     assert sentence in str(told.value)
+
+
+def test_moments_in_a_wrong_unit_are_noticed_on_two_plates_too(tmp_path):
+    """The weight that goes from foot to foot still moves the person's centre."""
+    path = write_c3d(
+        tmp_path / "a.c3d", [Plate(4, middle=each) for each in APART], FEET,
+        CAL_MATRIX=np.stack([MATRIX * ([[1.0]] * 3 + [[1e-3]] * 3)] * 2, axis=-1),
+    )  # fmt: skip
+    # what moves is shear force times the depth of the transducers
+    sentence = "alone the centre of pressure moves by 0.[0-9]* mm about its mean, and under a foot"
+    said = " ".join(sf.read_recording(path).remarks)
+    assert len(re.findall(sentence, said)) == 2
+    right = write_c3d(tmp_path / "b.c3d", [Plate(4, middle=each) for each in APART], FEET)
+    assert not re.search(sentence, " ".join(sf.read_recording(right).remarks))
 
 
 def test_a_missing_package_is_a_sentence(tmp_path, monkeypatch):

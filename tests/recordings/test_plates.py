@@ -54,6 +54,9 @@ TWO = {
     "plate2_Fz": named("plate{k}_{name}", NEWTON),
     "Force Plate 2 - Fz": named("Force Plate {k} - {name}", NEWTON),
     "the same names in the order of the plates": named("{name}", NEWTON),
+    "the same names again, numbered by pandas": named("{name}", NEWTON).replace(
+        "My,Mz,Fx,Fy,Fz,Mx,My,Mz", "My,Mz," + ",".join(f"{name}.1" for name in NAMES), 1
+    ),
     "Vicon": "Devices\n100\n,," + ",".join(ABOVE.format(k) for k in (1, 2)) + "\nFrame,Sub Frame,"
     + ",".join(2 * NAMES) + "\n,," + ",".join(2 * ["N,N,N,N.mm,N.mm,N.mm"]) + "\n"
     + table(None, [np.arange(TIME.size), 0 * TIME, *(
@@ -81,7 +84,7 @@ def test_two_plates_are_one_large_one(tmp_path, name):
     found = read(tmp_path, TWO[name], surface=0.04, plate={"2": PLACE})
     is_the_whole(found)
     (told,) = [remark for remark in found.remarks if "on plates 1" in remark]
-    assert "plates 1 (360 N, at 0, 0 m) and 2 (340 N, at 0.05, 0.6 m)" in told
+    assert "plates 1 (355 N, at 0, 0 m) and 2 (345 N, at 0.05, 0.6 m)" in told
 
 
 def test_a_wrong_place_would_be_noticed(tmp_path):
@@ -167,6 +170,9 @@ def test_opensim_is_in_one_frame_with_y_up(tmp_path):
         np.testing.assert_array_equal(turned.ap, found.ml)
         with pytest.raises(sf.InputError, match="y points up in this file; give x or z"):
             read(tmp_path, text, ap="y")
+        with pytest.raises(sf.InputError, match="this file has all of them in one frame; leave"):
+            read(tmp_path, text, plate={"left": (0, 0.6)})
+        is_the_whole(read(tmp_path, text, plate={"left": (0, 0)}))
 
 
 @pytest.mark.parametrize("nothing", [0.0, np.nan])
@@ -208,12 +214,34 @@ def test_a_plate_on_which_nobody_stands_is_left_out_and_told(tmp_path):
     is_the_whole(found)
     (told,) = [remark for remark in found.remarks if "nobody stands" in remark]
     assert "N on 2 in the median" in told
+    nothing = [np.full(TIME.size, np.nan)] * len(NAMES)  # a channel that is not plugged in
+    text = named("{name}{k}", NEWTON, first=WHOLE, second=nothing)
+    is_the_whole(read(tmp_path, text, surface=0.04))
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_plate_that_is_stood_on_for_a_short_time_counts(tmp_path, sign):
+    """By its median nobody would stand there, and a part of the load would be lost."""
+    first, second = split(share=np.where((TIME > 20) & (TIME < 23), 0.6, 1.0))
+    text = named("{name}{k}", NEWTON, first=first, second=[sign * each for each in second])
+    is_the_whole(read(tmp_path, text, surface=0.04, plate={"2": PLACE}))
+    with pytest.raises(sf.InputError, match="the person stands on plates 1 and 2, and where"):
+        read(tmp_path, text, surface=0.04)
 
 
 def test_the_sum_of_all_plates_is_taken_where_it_is_there(tmp_path):
     names = ["t (s)", "Fz1 (N)", "Fz2 (N)", "COPx1 (mm)", "COPy1 (mm)", "COPx (mm)", "COPy (mm)"]
     columns = [TIME, LEFT[2], RIGHT[2], 0 * TIME, 0 * TIME, MM * AP, MM * ML]
     is_the_whole(read(tmp_path, table(names, columns, decimals=8)))
+
+
+def test_a_height_of_the_surface_is_said_to_be_of_no_use_to_a_centre_of_pressure(tmp_path):
+    names = OF_CENTRES["centres of pressure"]
+    text = table(["t (s)", *names], [TIME, *CENTRES], decimals=8)
+    for options in ({"plate": {"2": PLACE}}, {"plate": "1"}, {"ap": names[1], "ml": names[2]}):
+        for surface, said in ((0.04, True), (0.0, False)):
+            found = read(tmp_path, text, surface=surface, **options)
+            assert ("surface=0.04 is not used, as the centre" in " ".join(found.remarks)) is said
 
 
 LEFT_ALONE = table(["t", "Left CoPx (mm)", "Left CoPy (mm)"], [TIME, MM * AP, MM * ML])
@@ -239,6 +267,10 @@ REFUSED = {
     "a place in mm": (TWO["Fz1"], {"plate": {"2": (0, 600)}}, "plate = 2: (0, 600) is not two numbers of m, each up to 5, is it in mm?"),
     "a place of one number": (TWO["Fz1"], {"plate": {"2": (0.6,)}}, "plate = 2: (0.6,) is not two numbers of m"),
     "a plate as a number": (TWO["Fz1"], {"plate": 2}, 'plate = 2; give the name of a plate, as plate="1", or where plates lie'),
+    "a plate beside columns": (NO_LOADS, {"plate": "1", "ap": "COPx1 (mm)", "ml": "COPy1 (mm)"}, "plate=… beside ap=… and ml=…, which name the columns"),
+    "moments in a wrong unit": (TWO["Fz1"].replace("Nm", "Nmm"), {"plate": {"2": PLACE}}, "on plate 1 alone the centre of pressure moves by"),
+    "a centre of pressure of which nothing is there": (table(["t (s)", *OF_CENTRES["centres of pressure"]], [TIME, *CENTRES[:4], np.full(TIME.size, np.nan), CENTRES[5]]), {"plate": {"2": PLACE}}, "it holds no samples of the centre of pressure"),
+    "one plate beside what may be another or the sum": (named("{name}{k}", NEWTON).replace("1,", ","), {"plate": {"2": PLACE}}, "columns of plate 2 stand beside such that name no plate, and whether these are of another plate or of all is not clear; number both"),
     "no load": (NO_LOADS, {"plate": {"2": PLACE}}, "Fz of plate 1 is missing"),
     "moments of one of two": (MOMENTS_OF_ONE, {"plate": {"2": PLACE}}, "Mx and My of plate 2 are missing"),
     "a foot": (LEFT_ALONE, {}, "only what is under the left foot is there"),

@@ -17,7 +17,7 @@ ARGUMENT = re.compile(r"\b(time|ap|ml|unit|rate|surface|low_pass|plate|duration)
 PLACE = re.compile(r'plate=\{"(\w+)": \((-?[\d.]+), (-?[\d.]+)\)\}')
 QUOTED = re.compile(r'(--plate )"(\w+)"')
 # What is said of how a file is read.
-OF_FILES = ("time", "ap", "ml", "unit", "plate")
+OF_FILES = ("time", "ap", "ml", "unit", "plate", "surface")
 HELP_OF_FILES = """\
 columns are found by their names, which say the unit too or have it in the line below; lines before
 the names, decimal commas and semicolons, tabs or blanks are understood:
@@ -46,7 +46,7 @@ def add_file_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--plate", action="append", default=[], metavar="N[=X,Y]", help=words)
     words = "height of the surface over the origin of the moments, along the plate's z, m"
-    parser.add_argument("--surface", metavar="D", default="0", help=f"{words} (default: 0)")
+    parser.add_argument("--surface", metavar="D", help=f"{words} (default: 0)")
 
 
 def read_recordings(options: argparse.Namespace) -> "list[Recording]":
@@ -54,7 +54,7 @@ def read_recordings(options: argparse.Namespace) -> "list[Recording]":
     from standfast.recordings.reading import read_recording
 
     rate = None if options.rate is None else plain("--rate", options.rate)
-    surface = plain("--surface", options.surface)
+    surface = 0.0 if options.surface is None else plain("--surface", options.surface)
     plate = _plate(options.plate)
     recordings, refused = [], []
     for path in options.recordings:
@@ -72,7 +72,9 @@ def read_recordings(options: argparse.Namespace) -> "list[Recording]":
                 )
             )
         except InputError as error:
-            refused.append(of_options(str(error)))
+            # a name of a file stays as it is
+            name = str(path) if str(error).startswith(str(path)) else ""
+            refused.append(name + of_options(str(error).removeprefix(name)))
     if len(options.recordings) == 1 and refused:
         raise InputError(refused[0])
     if refused:

@@ -22,13 +22,14 @@ from standfast.cli.sway_fit import (
     print_fit,
 )
 from standfast.errors import InputError, nearest_name
-from standfast.files import column_name, whole_table
+from standfast.files import column_name, require_replaceable, whole_table
 from standfast.parameters import number_in
 
 if TYPE_CHECKING:
     from standfast.fitting.result import SwayFit
 
 SECONDS, HERTZ, LOW_PASS = 60.0, 100.0, 10.0  # of published recordings
+OF_NUMBERS = ("duration_s", "rate_Hz")  # columns by which a table is known as one of these
 NUMBER = re.compile(r"[-+]?[\d.]+(?:e[-+]?\d+)?", re.ASCII | re.IGNORECASE)
 # How many SI units one of a written unit is, by the SI unit.
 WRITTEN: Mapping[str, Mapping[str, float]] = {
@@ -70,6 +71,8 @@ def fit_numbers(options: argparse.Namespace) -> None:
     given = person_to_fit(options)
     if given is None:
         raise InputError("numbers alone are there to be fitted: add --fit, --law and a body")
+    if options.csv:
+        require_replaceable(options.csv, ",".join(OF_NUMBERS))
     (fit,) = fits_of(options, given, [numbers], low_pass, duration=duration, rate=rate)
     if options.csv:
         _write(options.csv, fit, duration, rate)
@@ -135,11 +138,10 @@ def _in_si(name: str, text: str, unit: str) -> float:
 def _write(path: Path, fit: "SwayFit", duration: float, rate: float) -> None:
     """Write a line of the fit, with its measures in the units that are printed."""
     measures = {name: PRINTED[each.unit] for name, each in fit.measures.items()}
-    names = ["duration_s", "rate_Hz"]
-    header = [*names, *(column_name(name, unit) for name, (unit, _) in measures.items())]
+    header = [*OF_NUMBERS, *(column_name(name, unit) for name, (unit, _) in measures.items())]
     own = [factor * fit.measures[name].measured for name, (_, factor) in measures.items()]
     cells: list[Any] = [duration, rate, *own, *fit_row(fit)]
-    with whole_table(path, ",".join(names)) as file:
+    with whole_table(path, ",".join(OF_NUMBERS)) as file:
         lines = csv.writer(file)
         lines.writerow([*header, *fit_header(fit)])
         lines.writerow([cell if isinstance(cell, str) else f"{cell:.8g}" for cell in cells])

@@ -122,8 +122,11 @@ def _ahead(letters: Sequence[str], wanted: Wanted) -> tuple[str, list[str]]:
 def _length(of: C3dFile, unit: str | None) -> float:
     """Return how many m one unit of the file's lengths is."""
     told = next(iter(of.words("POINT:UNITS")), "")
-    if compact(told) in UNITS["length"]:
-        return UNITS["length"][compact(told)]
+    known = UNITS["length"].get(compact(told))
+    if known is not None:
+        if unit is not None and unit_of("unit", unit, "length") != known:
+            raise InputError(f"unit={unit} is not what the file says (POINT:UNITS is {told})")
+        return known
     if unit is None:
         raise InputError(f"its unit of lengths (POINT:UNITS) is {told!r}; say it as unit=mm")
     return unit_of("unit", unit, "length")
@@ -131,16 +134,18 @@ def _length(of: C3dFile, unit: str | None) -> float:
 
 def _shapes(of: C3dFile, length: float) -> list[_Shape]:
     """Return the plates that a file describes."""
-    used = int(of.numbers("FORCE_PLATFORM:USED")[0])
-    types = of.numbers("FORCE_PLATFORM:TYPE").astype(int)
+    count = of.numbers("FORCE_PLATFORM:USED")
+    types = of.numbers("FORCE_PLATFORM:TYPE")
     corners = length * of.numbers("FORCE_PLATFORM:CORNERS", 4, 3)
     origins = length * of.numbers("FORCE_PLATFORM:ORIGIN", 3)
-    if not 0 < used <= min(map(len, (types, corners, origins))):
+    described = min(map(len, (types, corners, origins)))
+    if not (count.size and 1 <= count[0] <= described):  # NaN too
+        used = f"{count[0]:g}" if count.size else "no"
         raise InputError(f"the C3D file describes {used} force plates, or some of them in part")
     shapes = []
-    for k in range(used):
+    for k in range(int(count[0])):
         if types[k] not in HELD:
-            raise InputError(f"force plate {k + 1} is of type {types[k]}; types 1 to 4 are read")
+            raise InputError(f"force plate {k + 1} is of type {types[k]:g}; types 1 to 4 are read")
         c = corners[k]
         ex, across = c[0] - c[1], c[0] - c[3]
         ez = np.cross(ex, across)

@@ -55,7 +55,12 @@ def centre_of(table: Table, found: Found, wanted: Wanted) -> tuple[tuple[Array, 
             else only(found.get(name, []), name)
             for name, given in (("ap", ap), ("ml", ml))
         ]
-        return _pair(table, found, pair, unit), []
+        if wanted.choice != Choice():
+            raise InputError(
+                "plate=… beside ap=… and ml=…, which name the columns of one centre of pressure; "
+                "leave one away"
+            )
+        return _pair(table, found, pair, unit), _not_used(wanted)
     if axis is None and not {*DIRECTIONS}.isdisjoint(found):
         return _of_plates(table, found, DIRECTIONS, wanted)
     said = [] if axis else [
@@ -87,6 +92,13 @@ def _of_plates(
     there = {
         c.plate for holds in (axes if measured else ("Mx", "My")) for c in found.get(holds, [])
     }
+    named = {c.plate for holds in held for c in found.get(holds, [])} - {""}
+    if there == {"", *named} and len(named) == 1 and not wanted.choice.alone:
+        raise InputError(
+            f"columns of plate {max(named)} stand beside such that name no plate, and whether "
+            "these are of another plate or of all is not clear; number both, as COPx1 and COPx2, "
+            "or say by ap=… and ml=… which columns are of the person"
+        )
     if "" not in there:  # no sum, so that all plates with a load count
         there |= {c.plate for c in found.get("Fz", [])} - ({""} if there else set())
     names = names_read(there, wanted.choice)
@@ -100,7 +112,8 @@ def _of_plates(
     if measured and len(own) == 1:
         (columns,) = own.values()
         loads: Found = {"Fz": [load]} if (load := columns["Fz"]) else found
-        return _pair(table, loads, [columns[axis] for axis in axes], wanted.unit), []
+        pair = [columns[axis] for axis in axes]
+        return _pair(table, loads, pair, wanted.unit), _not_used(wanted)
     plates = [
         _loaded(table, name, columns, axes, wanted.unit)
         if measured
@@ -113,7 +126,14 @@ def _of_plates(
         lambda at: f"in line {table.lines[at]}",
         one_frame=in_ground_frame(c for columns in own.values() for c in columns.values() if c),
     )
-    return (first, second), said
+    return (first, second), [*said, *(_not_used(wanted) if measured else [])]
+
+
+def _not_used(wanted: Wanted) -> list[str]:
+    """Say that a height means nothing where the centre of pressure is in the file."""
+    if not wanted.surface:
+        return []
+    return [f"surface={wanted.surface:g} is not used, as the centre of pressure is in the file"]
 
 
 def _pair(

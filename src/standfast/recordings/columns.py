@@ -69,6 +69,7 @@ GROUND = re.compile(
 OF_GROUND = {"vx": "Fx", "vz": "Fy", "vy": "Fz", "px": "x", "pz": "y"}
 BARE = re.compile(f"([xyz])(?:{'|'.join(UNITS['length'])})?")
 LAST_WORD = re.compile(r"[\[({_ ]\s*([^\[\](){}_ ]+)\s*[\])}]?\s*$")
+AGAIN = re.compile(r"\.\d+$")  # as pandas and R write a name that is there already
 LAST_NUMBER = re.compile(r"(\d+)\W*$")
 
 
@@ -98,10 +99,13 @@ def recognised(
     ``Plate 1 - Force``; else empty.
     """
     found: dict[str, list[Column]] = {}
+    written = {name.strip() for name in names}
     for place, name in enumerate(names):
         below = units[place] if place < len(units) else ""
-        group, _, own = name.rpartition(" - ")
-        known = _held(name, below) or (_held(own, below) if group else None)
+        once = AGAIN.sub("", name.strip())
+        own_name = once if once in written else name
+        group, _, own = own_name.rpartition(" - ")
+        known = _held(own_name, below) or (_held(own, below) if group else None)
         if known is None:
             continue
         holds, unit, plate = known

@@ -19,10 +19,12 @@ import numpy as np
 
 from standfast.errors import InputError, nearest_name, shortened
 from standfast.numerics.arrays import Array
+from standfast.recordings.recording import POSSIBLE, USUAL
 
 OFF_PLATE = 0.2  # of the median load
 LIGHTEST = 50.0  # N
-CARRIES = 0.05  # of the whole load: with less, a plate is stood on by nobody
+CARRIES = 0.05  # of the whole load: with less at all times, a plate is stood on by nobody
+AT_ALL_TIMES = 0.99  # of the samples: what a single one shows may be a knock
 FURTHEST = 5.0  # m
 SIDES = ("left", "right")
 
@@ -138,14 +140,15 @@ def person_on(
         if nobody stands there, or somebody not all the time, or it is not known where plates lie.
     """
     median = {plate.name: median_of(plate.load) for plate in plates}
-    whole = sum(map(abs, median.values()))
-    carrying = [plate for plate in plates if abs(median[plate.name]) >= CARRIES * whole]
+    carrying = _carrying(plates)
     said = []
     if left := [plate.name for plate in plates if plate not in carrying]:
         sizes = ", ".join(f"{abs(median[name]):.3g} N on {name}" for name in left)
         said.append(f"plates on which nobody stands are left out ({sizes} in the median)")
     places = _places([plate.name for plate in carrying], choice, one_frame=one_frame)
-    signs = [math.copysign(1.0, median[plate.name]) for plate in carrying]
+    # a plate that is stood on for a short time has a median of noise
+    mean = {plate.name: _mean_of(plate.load) for plate in carrying}
+    signs = [math.copysign(1.0, mean[plate.name]) for plate in carrying]
     load = sum(sign * plate.load for sign, plate in zip(signs, carrying, strict=True))
     first, second = (
         sum(
@@ -157,8 +160,9 @@ def person_on(
     load = np.where(load == 0.0, np.nan, load)  # exactly: nothing was measured
     _check_load(load, where)
     if len(carrying) > 1:
+        said += _of_each(carrying)
         parts = " and ".join(
-            f"{plate.name} ({abs(median[plate.name]):.3g} N"
+            f"{plate.name} ({abs(mean[plate.name]):.3g} N"
             + ("" if one_frame else ", at {:g}, {:g} m".format(*places[plate.name]))
             + ")"
             for plate in carrying
@@ -167,10 +171,27 @@ def person_on(
     return first / load, second / load, said
 
 
+def _carrying(plates: Sequence[Plate]) -> list[Plate]:
+    """Return the plates that carry a part of the person, be it for a short time."""
+    whole = median_of(np.nansum([np.abs(plate.load) for plate in plates], axis=0))
+    return [
+        plate for plate in plates
+        if _quantile(np.abs(plate.load), AT_ALL_TIMES) >= CARRIES * whole
+    ]  # fmt: skip
+
+
 def median_of(load: Array) -> float:
     """Return the median of what is there, 0 of nothing."""
+    return _quantile(load, 0.5)
+
+
+def _mean_of(load: Array) -> float:
+    return float(np.mean(load[np.isfinite(load)])) if np.isfinite(load).any() else 0.0
+
+
+def _quantile(load: Array, share: float) -> float:
     there = load[np.isfinite(load)]
-    return float(np.median(there)) if there.size else 0.0
+    return float(np.quantile(there, share)) if there.size else 0.0
 
 
 def _places(
@@ -179,6 +200,11 @@ def _places(
     """Return where the plates that carry the person lie; one that is not named is at 0, 0."""
     given = dict(choice.places or {})
     open_ones = [name for name in names if name not in given]
+    if one_frame and any(given[name] != (0.0, 0.0) for name in given):
+        raise InputError(
+            "plate=… says where plates lie, and this file has all of them in one frame; leave it "
+            'away, or name one to read alone, as plate="1"'
+        )
     if one_frame or len(names) < 2 or (given and len(open_ones) < 2):
         return {name: given.get(name, (0.0, 0.0)) for name in names}
     first, last = open_ones[0], open_ones[-1]
@@ -188,6 +214,34 @@ def _places(
         f'axes of the plates (m), as plate={{"{last}": (0, 0.6)}}, or (0, 0) if all columns are in '
         f'one frame; plate="{first}" reads one alone'
     )
+
+
+def _of_each(plates: Sequence[Plate]) -> list[str]:
+    """Say on which plates little moves, which the weight going from foot to foot would hide.
+
+    Raises
+    ------
+    InputError
+        if nothing moves there.
+    """
+    said = []
+    for plate in plates:
+        on = np.abs(plate.load) > OFF_PLATE * _quantile(np.abs(plate.load), AT_ALL_TIMES)
+        on &= np.isfinite(plate.first + plate.second)
+        if not on.any():  # no sample is left then, which is said of the person
+            continue
+        x, y = (each[on] / plate.load[on] for each in (plate.first, plate.second))
+        size = float(np.hypot(x.std(), y.std()))
+        sentence = (
+            f"on plate {plate.name} alone the centre of pressure moves by {1e3 * size:.3g} mm "
+            "about its mean, and under a foot by some millimetres; is the unit of its lengths or "
+            "moments right?"
+        )
+        if size < POSSIBLE[0]:
+            raise InputError(sentence)
+        if size < USUAL[0]:
+            said.append(sentence)
+    return said
 
 
 def _check_load(load: Array, where: Callable[[int], str]) -> None:

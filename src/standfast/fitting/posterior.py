@@ -144,7 +144,7 @@ def lattice_of(
     at_limit: np.ndarray = below | above
     # beyond a limit numbers are only needed to interpolate to it
     within = ((points >= low) & (points <= high)).all(axis=-1)
-    weight = np.minimum(weight, weight[within].max())
+    weight = np.minimum(weight, weight[within].max(initial=-np.inf))
     return Lattice(points, weight, logarithm, finer(noise).ravel(), finer(error).ravel(), at_limit)
 
 
@@ -183,9 +183,8 @@ def _quantiles(values: np.ndarray, share: np.ndarray) -> np.ndarray:
     """Return between what values lie, but for the tails."""
     order = np.argsort(values)
     own, weight = values[order], share[order]
-    below = np.cumsum(weight) - 0.5 * weight
-    places = np.searchsorted(below / weight.sum(), TAILS)
-    found = np.interp(TAILS, below / weight.sum(), own)
+    below = (np.cumsum(weight) - 0.5 * weight) / weight.sum()
+    found = np.interp(TAILS, below, own)
     # between a finite number and an infinite one is none
-    nearer = own[np.minimum(places, own.size - 1)]
+    nearer = own[[int(np.argmin(abs(below - tail))) for tail in TAILS]]
     return np.where(np.isfinite(found), found, nearer)

@@ -64,6 +64,25 @@ class Mixed:
         return self.size(np.array([best, *point[1:]])), best, precision[0, 0] ** -0.5
 
 
+class Falling(Mixed):
+    """The same, of which those with less of the last coordinate than an edge fall."""
+
+    def __init__(self, free, parts, edge):
+        super().__init__(free, parts)
+        self.edge = edge
+
+    def size(self, point):
+        return super().size(point) if point[-1] > self.edge else np.inf
+
+    def residual(self, point):
+        found = super().residual(point)
+        return found if point[-1] > self.edge else np.full_like(found, np.inf)
+
+    def over_noise(self, point):
+        found = super().over_noise(point)
+        return found if point[-1] > self.edge else (np.inf, 0.0, 0.0)
+
+
 def found_of(likelihood):
     coarse = coarse_grid(likelihood)
     return posterior_of(likelihood, coarse, minima_of(likelihood, coarse))
@@ -176,6 +195,49 @@ def test_two_valleys_beside_each_other_both_count():
     assert ends[0] == pytest.approx(-1.0 + shift + 0.3 * ENDS, abs=CLOSE * 4.0 * 0.3)
     expected = quantiles([(share, mean[1], 0.05) for share, mean, _ in parts])
     assert ends[1] == pytest.approx(expected, abs=0.1 * 0.05)
+
+
+def test_who_weighs_again_next_to_falling_counts():
+    """Beyond the tail of what is most likely the weight rises, up to an edge where people fall."""
+    edge, spread = -0.78, 0.3
+    across = [(0.75, -0.3, 0.08), (0.25, -0.75, 0.07)]
+    likelihood = Falling(
+        GAINS,
+        [(share, np.array([-1.0, at]), np.diag([spread**2, own**2])) for share, at, own in across],
+        edge,
+    )
+    posterior, _ = found_of(likelihood)
+    ends, open_ = posterior.intervals(lambda points: points, 2)
+    value = np.linspace(edge, 1.0, 20_001)
+    density = sum(share * stats.norm.pdf(value, at, own) for share, at, own in across)
+    below = np.cumsum(density) / density.sum()
+    expected = np.interp([0.025, 0.975], below, value)
+    # the last half step before the edge is not seen
+    assert ends[1] == pytest.approx(expected, abs=0.04)
+    assert expected[0] < -0.3 - 4.0 * 0.08  # able to fail: a Gaussian ends before
+    assert not open_.any()
+
+
+def test_who_falls_has_no_say_in_the_noise():
+    mean, spread, correlation = (0.3, -1.0, -0.5), (0.4, 0.3, 0.2), 0.8
+    whole = gaussian(NOISE_AND_GAINS, mean, spread, correlation)
+    middle, covariance = shifted(whole)
+    edge = middle[2] - 0.5 * spread[2]
+    posterior, _ = found_of(Falling(NOISE_AND_GAINS, whole.parts, edge))
+    ends, _ = posterior.noise_interval()
+    both = stats.multivariate_normal(middle[[0, 2]], covariance[np.ix_([0, 2], [0, 2])])
+    stand = stats.norm.sf(edge, middle[2], spread[2])
+
+    def below(value):
+        falling = both.cdf([value, edge])
+        return (stats.norm.cdf(value, middle[0], spread[0]) - falling) / stand
+
+    expected = [
+        optimize.brentq(lambda x, tail=tail: below(x) - tail, -3.0, 3.0) for tail in (0.025, 0.975)
+    ]
+    assert ends == pytest.approx(expected, abs=0.1 * spread[0])
+    # able to fail: with those who fall it would begin a standard deviation lower
+    assert abs(middle[0] + ENDS[0] * spread[0] - expected[0]) > 0.3 * spread[0]
 
 
 def infinite(points):

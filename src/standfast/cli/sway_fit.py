@@ -30,7 +30,7 @@ def add_fit_options(parser: argparse.ArgumentParser) -> None:
     words = (
         "find which noise and gains of --law, on the body given, explain each recording, with "
         f"95 %% intervals, and how far from falling that is; PARAMETERS are at most three of "
-        f"{ALL},feedback_delay (default: {ALL}); a second or more a recording"
+        f"{ALL},feedback_delay (default: {ALL}); some seconds a recording"
     )
     parser.add_argument("--fit", nargs="?", const=ALL, metavar="PARAMETERS", help=words)
 

@@ -65,8 +65,7 @@ def fit_sway(
     Expectation and covariance of the measures in recordings of this length follow from the model's
     spectra. An interval holds 95 % of all persons by their likelihood, all proportional gains above
     the least that holds a person up being taken as equally likely, and all logarithms of the rest.
-    As many measures are needed as numbers are open: of a recording, which has three, the delay is
-    given or the law's, or takes the place of another number.
+    As many measures are needed as numbers are open; a recording has three.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """A hundred made-up people of known noise and gains, recorded for 60 s, and fitted.
 
 Answers: do the 95 % intervals of ``sf.fit_sway`` hold the true values as often as they say? Run as
-``python benchmarks/sway_recovery.py [PEOPLE]`` (default 100 of each law, half an hour on two
+``python benchmarks/sway_recovery.py [PEOPLE]`` (default 100 of each law, twenty minutes on two
 cores); writes ``results/sway-fit/README.md``, ``recovery.csv`` and the figure.
 
 Fixed before any of it was computed:

@@ -24,24 +24,32 @@ class Mixed:
         self.free, self.parts = free, parts
         bounds = np.full(len(free), LOW), np.full(len(free), HIGH)
         self.points = SimpleNamespace(family=SimpleNamespace(free=free), bounds=bounds)
+        self._roots = [np.linalg.inv(np.linalg.cholesky(covariance)) for _, _, covariance in parts]
+        self._sizes = [
+            np.log(share * np.diagonal(root).prod()) - 0.5 * len(free) * np.log(2.0 * np.pi)
+            for (share, _, _), root in zip(parts, self._roots, strict=True)
+        ]
+
+    def _scaled(self, point):
+        return [
+            root @ (point - mean)
+            for root, (_, mean, _) in zip(self._roots, self.parts, strict=True)
+        ]
 
     def _logarithms(self, point):
+        scaled = self._scaled(point)
         return np.array([
-            np.log(share) + stats.multivariate_normal(mean, covariance).logpdf(point)
-            for share, mean, covariance in self.parts
+            size - 0.5 * (each @ each) for size, each in zip(self._sizes, scaled, strict=True)
         ])  # fmt: skip
 
     def size(self, point):
         # as a likelihood of measures has it, a constant keeps its root real
-        return 100.0 - 2.0 * special.logsumexp(self._logarithms(point))
+        return 100.0 - 2.0 * np.logaddexp.reduce(self._logarithms(point))
 
     def _in_two(self, point):
         """The square of the likeliest part, as its root and slopes, and the root of the rest."""
         weights = special.softmax(self._logarithms(point))
-        inner = [np.linalg.inv(np.linalg.cholesky(covariance)) for _, _, covariance in self.parts]
-        scaled = [
-            root @ (point - mean) for root, (_, mean, _) in zip(inner, self.parts, strict=True)
-        ]
+        inner, scaled = self._roots, self._scaled(point)
         pulls = [root.T @ each for root, each in zip(inner, scaled, strict=True)]
         best = int(np.argmax(weights))
         rest = np.sqrt(self.size(point) - scaled[best] @ scaled[best])

@@ -8,6 +8,7 @@ from scipy import optimize, special, stats
 
 from standfast.fitting.ridge import posterior_of
 from standfast.fitting.search import coarse_grid, minima_of
+from standfast.fitting.slices import HALVED, Weights, laid
 
 NOISE_AND_GAINS = ("noise", "proportional_gain", "derivative_gain")
 GAINS = NOISE_AND_GAINS[1:]
@@ -225,6 +226,30 @@ def test_who_weighs_again_next_to_falling_counts():
     assert ends[1] == pytest.approx(expected, abs=0.08)
     assert expected[0] < -0.15 - 5.0 * 0.08  # able to fail: a Gaussian ends before
     assert not open_.any()
+
+
+class Band(Mixed):
+    """Nobody stands but in a band of the last coordinate, narrower than its standard deviation."""
+
+    LOW, HIGH = -0.5001, -0.4925
+
+    def size(self, point):
+        return super().size(point) if self.LOW < point[-1] < self.HIGH else np.inf
+
+    def over_noise(self, point):
+        return self.size(point), 0.0, 0.0
+
+
+def test_a_slice_of_a_narrow_band_has_only_who_stands():
+    band = Band(GAINS, [(1.0, np.array([-1.0, -0.493]), np.diag([0.09, 0.01]))])
+    start = np.array([-1.0, -0.5])
+    found = laid(Weights(band, band.size(start)), start, lambda point: False)
+    steps = found.first + np.arange(found.weight.size)
+    at = found.centre[1] + steps * found.axes[0, 0]
+    stands = np.isfinite(found.weight)
+    assert stands.sum() >= 2
+    np.testing.assert_array_equal(stands, (at > Band.LOW) & (at < Band.HIGH))
+    assert found.axes[0, 0] >= 0.1 / 2**HALVED * 0.99
 
 
 def test_who_falls_has_no_say_in_the_noise():

@@ -15,7 +15,7 @@ from scipy import special
 from standfast.fitting.likelihood import Likelihood
 from standfast.fitting.posterior import Lattice, Posterior, lattice_of
 from standfast.fitting.search import Grid, settled
-from standfast.fitting.slices import Slice, Weights, laid
+from standfast.fitting.slices import Slice, Weights, laid, squared
 
 FIRST = 16  # slices over the limits, before any is added
 SHARE, MOST = 0.03, 200
@@ -124,22 +124,15 @@ class _Ridge:
         across = np.arange(start, stop, dtype=float)
         shape = (*([first.size] if self.keep else []), *[across.size] * others)
         points = np.full((*shape, len(self.keep)), np.nan)
-        weight, noise, error = (
-            np.full(shape, -np.inf),
-            np.full(shape, np.nan),
-            np.full(shape, np.nan),
-        )
-        steps = (
-            np.stack(np.meshgrid(*[across] * others, indexing="ij"), axis=-1) if others else None
-        )
+        weight, (noise, error) = np.full(shape, -np.inf), np.full((2, *shape), np.nan)
+        steps = squared(across, others)
         for row, value in enumerate(first):
             found = self.slices[value]
             if found is None:
                 continue
             one = (row,) if self.keep else ()
             points[one] = found.centre[self.keep]
-            if steps is not None:
-                points[one][..., 1:] += steps @ found.axes.T
+            points[one][..., 1:] += steps @ found.axes.T
             begin = found.first - start
             looked_at = (*one, *[slice(begin, begin + n) for n in found.weight.shape])
             weight[looked_at], noise[looked_at], error[looked_at] = found[3:]

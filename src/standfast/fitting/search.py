@@ -26,13 +26,12 @@ class Grid(NamedTuple):
     ----------
     axes : a row of values a coordinate; none where the noise alone is open
     size : −2 log L; infinite where the person falls
-    noise, error : log σ, and its standard error
+    noise : log σ
     """
 
     axes: tuple[np.ndarray, ...]
     size: np.ndarray
     noise: np.ndarray
-    error: np.ndarray
 
     def point(self, place: tuple[int, ...], free: tuple[str, ...]) -> np.ndarray:
         """Return the point at a place of the grid."""
@@ -42,24 +41,18 @@ class Grid(NamedTuple):
         return np.array(values)
 
 
-def graded(likelihood: Likelihood, axes: tuple[np.ndarray, ...]) -> Grid:
-    """Return the grid of some axes."""
-    free = likelihood.points.family.free
-    shape = tuple(axis.size for axis in axes)
-    found = np.zeros((3, *shape))
-    for place, values in zip(np.ndindex(*shape), product(*axes), strict=True):
+def coarse_grid(likelihood: Likelihood) -> Grid:
+    """Return a grid over all of the limits."""
+    free, (low, high) = likelihood.points.family.free, likelihood.points.bounds
+    keep = [k for k, name in enumerate(free) if name != NOISE]
+    axes = tuple(np.linspace(low[k], high[k], COARSE[len(keep)]) for k in keep)
+    size, noise = np.zeros((2, *(axis.size for axis in axes)))
+    for place, values in zip(np.ndindex(*size.shape), product(*axes), strict=True):
         point = list(values)
         if NOISE in free:
             point.insert(free.index(NOISE), 0.0)
-        found[(slice(None), *place)] = likelihood.over_noise(np.array(point))
-    return Grid(axes, *found)
-
-
-def coarse_grid(likelihood: Likelihood) -> Grid:
-    """Return a grid over all of the limits."""
-    low, high = likelihood.points.bounds
-    keep = [k for k, name in enumerate(likelihood.points.family.free) if name != NOISE]
-    return graded(likelihood, tuple(np.linspace(low[k], high[k], COARSE[len(keep)]) for k in keep))
+        size[place], noise[place], _ = likelihood.over_noise(np.array(point))
+    return Grid(axes, size, noise)
 
 
 def minima_of(likelihood: Likelihood, grid: Grid) -> list[np.ndarray]:

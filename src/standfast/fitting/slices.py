@@ -19,7 +19,7 @@ SQUARE, USUAL = 3, 4
 FURTHEST = 24  # steps that a walk takes
 NOTHING = 8.0  # of a logarithm: who weighs so much less ends a walk
 # So many persons weigh at least e^−2 of the most of a line; with fewer its step is halved.
-SEEN, HALVED = 3, 5
+SHOWN, HALVED = 3, 5
 WIDEST = 0.25  # of a coordinate's range: the most that its standard deviation is taken for
 FAINT = 25.0  # of a logarithm: of who weighs so much less only the best of a slice is found
 BETTER = 1e-6  # of −2 log L; a solver leaves less
@@ -116,13 +116,13 @@ def laid(weights: Weights, centre: np.ndarray, covered: Covered) -> Slice:
 
 def _line(weights: Weights, centre: np.ndarray, axes: np.ndarray, covered: Covered) -> Slice:
     """Return a slice with one coordinate across, in steps that show its greatest weight."""
-    for _ in range(HALVED):
+    for halved in range(HALVED + 1):
         own = centre[weights.keep]
         middle = _at(weights, own, axes, np.zeros(1), covered)
         below, above = (_walk(weights, own, way * axes, middle[0], covered) for way in (-1.0, 1.0))
         found, first = np.array([*reversed(below), middle, *above]), -len(below)
         top = int(np.argmax(found[:, 0]))
-        if (found[:, 0] > found[top, 0] - 2.0).sum() >= SEEN:
+        if (found[:, 0] > found[top, 0] - 2.0).sum() >= SHOWN or halved == HALVED:
             break
         centre = centre.copy()
         centre[weights.keep[1]] += (first + top) * axes[0, 0]
@@ -153,8 +153,14 @@ def _at(
 
 
 def _square(others: int, width: int) -> np.ndarray:
-    steps = np.arange(-width, width + 1.0)
-    return np.stack(np.meshgrid(*[steps] * others, indexing="ij"), axis=-1)
+    return squared(np.arange(-width, width + 1.0), others)
+
+
+def squared(across: np.ndarray, others: int) -> np.ndarray:
+    """Return all combinations of steps of the others, (*across, others); one of none."""
+    if not others:
+        return np.zeros(0)
+    return np.stack(np.meshgrid(*[across] * others, indexing="ij"), axis=-1)
 
 
 def _volume(axes: np.ndarray) -> float:

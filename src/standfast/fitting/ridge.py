@@ -124,7 +124,7 @@ class _Ridge:
         across = np.arange(start, stop, dtype=float)
         shape = (*([first.size] if self.keep else []), *[across.size] * others)
         points = np.full((*shape, len(self.keep)), np.nan)
-        weight, (noise, error) = np.full(shape, -np.inf), np.full((2, *shape), np.nan)
+        weight, noise, error = (np.full(shape, none) for none in (-np.inf, np.nan, np.nan))
         steps = squared(across, others)
         for row, value in enumerate(first):
             found = self.slices[value]

@@ -46,7 +46,8 @@ def coarse_grid(likelihood: Likelihood) -> Grid:
     free, (low, high) = likelihood.points.family.free, likelihood.points.bounds
     keep = [k for k, name in enumerate(free) if name != NOISE]
     axes = tuple(np.linspace(low[k], high[k], COARSE[len(keep)]) for k in keep)
-    size, noise = np.zeros((2, *(axis.size for axis in axes)))
+    shape = tuple(axis.size for axis in axes)
+    size, noise = np.zeros(shape), np.zeros(shape)
     for place, values in zip(np.ndindex(*size.shape), product(*axes), strict=True):
         point = list(values)
         if NOISE in free:

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from populations import RIGID, changed, drawn, law, of
+from populations import GOOD, RIGID, changed, drawn, law, of
 from standfast.anthropometry.body import Body
+from standfast.engine.mapping import map_over_batch
 from standfast.mechanics.matrices import joint_gravity
 from standfast.parameters import JOINTS
 from standfast.population.cohort.cohort import cohort_of
+from standfast.population.cohort.persons import person_of
 from standfast.population.people.builtin import READY_DELAYS, READY_DISTRIBUTIONS
 from standfast.population.people.distributions import checked_distribution
 
@@ -104,3 +106,56 @@ def test_scattered_proportions_have_the_measured_spread():
     wanted = math.hypot(0.246 * 0.0433, 0.245 * 0.0460) / 0.470
     assert hip.std() == pytest.approx(wanted, rel=0.05)
     assert hip.mean() == pytest.approx(0.0, abs=4.0 * wanted / math.sqrt(SIZE))
+
+
+OTHER_NUMBERS = {
+    "gravity": ("gravity", 1.62),
+    "subpopulation": ("population.age", "65+"),
+    "mean": ("stiffness.ankle.mean", 1.2),
+    "sd": ("stiffness.knee.sd", 0.9),
+    "range": ("stiffness.hip", law("uniform", low=100.0, high=300.0)),
+    "persons": ("population.size", 70),
+}
+OTHER_STRUCTURES = {
+    "kind": ("stiffness.hip", law("normal", mean=600.0, sd=100.0)),
+    "load": ("stiffness.hip", law("uniform", "mgh", low=0.5, high=2.0)),
+    "rigid": ("stiffness.hip", RIGID),
+    "no spread": ("stiffness.ankle.sd", 0.0),
+    "body model": ("population.body_model", "de-leva-female"),
+    "groups": ("population.age", None),
+}
+
+
+def test_another_number_compiles_no_program_and_another_structure_does():
+    traced = []
+
+    def stiffness_of(model, given):
+        traced.append(model)
+        person = person_of(model, given)
+        return dict(zip(JOINTS, person.stiffness.joints, strict=True))
+
+    def found(content):
+        study = of(content, size=content["population"]["size"])
+        cohort = cohort_of(study, None)
+        numbers = cohort.numbers(cohort.sampler.variates(0, 0, study.block_size))
+        return map_over_batch(stiffness_of, cohort.model, cohort.names)(numbers)
+
+    plain = found(GOOD)
+    for key, value in OTHER_NUMBERS.values():
+        other = found(changed(key, value))
+        # and it is not ignored
+        assert any(other[j].mean() != plain[j].mean() for j in JOINTS), key
+    assert len(traced) == 1
+    for key, value in OTHER_STRUCTURES.values():
+        found(changed(key, value))
+    assert len(traced) == 1 + len(OTHER_STRUCTURES)
+
+
+def test_persons_are_the_same_in_any_company():
+    cohort = cohort_of(of(GOOD), None)
+    numbers = cohort.numbers(cohort.sampler.variates(0, 0, 2**14))
+    together = drawn(cohort, numbers)
+    for first, last in ((0, 1), (0, 4096), (4000, 4500), (7, 9000)):
+        alone = drawn(cohort, numbers[:, first:last])
+        for name, values in together.items():
+            assert alone[name].tolist() == values[first:last].tolist()

@@ -1,7 +1,8 @@
 """Functions of one person mapped over axes, over points, over persons: all ``jit`` and ``vmap``."""
 
+import math
 from collections.abc import Callable, Hashable, Mapping
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import jax
@@ -13,6 +14,7 @@ from standfast.parameters import PARAMETERS
 from standfast.study.study import Study
 
 OfOne = Callable[[dict[str, Any]], Any]
+OfModelAndOne = Callable[[Any, dict[str, Scalar]], dict[str, Scalar]]
 
 # Without it XLA uses half of the vector registers that many processors have.
 COMPILER_OPTIONS = {"xla_cpu_prefer_vector_width": 512}
@@ -43,32 +45,53 @@ def map_over_points(function: OfOne) -> Callable[..., Any]:
     )
 
 
-@lru_cache(maxsize=32)
+# Persons that are handed to a compiled function at once: small enough for the processor's cache.
+BATCH = 4096
+# So many, the blocks of long runs, are handed over as they come: in batches they take longer.
+WHOLE = 2**17
+
+
 def map_over_batch(
-    function: Callable[[Any, dict[str, Scalar]], dict[str, Scalar]],
-    model: Hashable,
-    names: tuple[str, ...],
+    function: OfModelAndOne, model: Any, names: tuple[str, ...]
 ) -> Callable[[np.ndarray], dict[str, np.ndarray]]:
     """Map a function of a model and one person's named numbers over many persons.
 
-    Takes the numbers as an array (names, persons) and gives an array of persons a result. Compiled
-    once for each function, model and number of persons.
+    Takes the numbers as an array (names, persons) and gives an array of persons a result. A model
+    is made of tuples. Its finite floats are arguments of the program; words and ``inf``, with which
+    a program is simpler, are part of it. So another mean or gravity compiles nothing: compiled
+    once for each function and structure of a model, for batches, and for each length from WHOLE on.
     """
-
-    def of_one(column: Scalar) -> dict[str, Scalar]:
-        return function(model, {name: column[row] for row, name in enumerate(names)})
-
-    mapped = compiled(jax.vmap(of_one, in_axes=1))
+    leaves, made = jax.tree.flatten(model)
+    structure = tuple(None if _is_argument(leaf) else leaf for leaf in leaves)
+    arguments = np.array([leaf for leaf in leaves if _is_argument(leaf)], np.float64)
+    mapped = _of_structure(function, made, structure, names)
 
     def evaluate(numbers: np.ndarray) -> dict[str, np.ndarray]:
+        run = partial(mapped, arguments)
         with jax.enable_x64(True):
-            return {name: np.asarray(values) for name, values in mapped(numbers).items()}
+            if numbers.shape[1] < WHOLE:
+                return _batch_by_batch(run, numbers)
+            return {name: np.asarray(values) for name, values in run(numbers).items()}
 
     return evaluate
 
 
-# Persons that are handed to a compiled function at once: small enough for the processor's cache.
-BATCH = 4096
+def _is_argument(leaf: Any) -> bool:
+    return isinstance(leaf, float) and math.isfinite(leaf)
+
+
+@lru_cache(maxsize=128)
+def _of_structure(
+    function: OfModelAndOne, made: Hashable, structure: tuple[Hashable, ...], names: tuple[str, ...]
+) -> Callable[..., Any]:
+    """Compile a function for models made in one way, whose arguments are None in ``structure``."""
+
+    def of_one(arguments: Scalar, column: Scalar) -> dict[str, Scalar]:
+        given = iter(arguments)
+        model = jax.tree.unflatten(made, [next(given) if s is None else s for s in structure])
+        return function(model, {name: column[row] for row, name in enumerate(names)})
+
+    return compiled(jax.vmap(of_one, in_axes=(None, 1)))
 
 
 def in_batches(function: Callable[..., Any], problem: Hashable, *arrays: np.ndarray) -> Any:
@@ -77,21 +100,23 @@ def in_batches(function: Callable[..., Any], problem: Hashable, *arrays: np.ndar
     What :mod:`standfast.stability.delay` hands its functions to as ``apply``. Every batch has one
     length, so that each function compiles once a problem.
     """
-    run = _of_batch(function, problem)
+    with jax.enable_x64(True):
+        return _batch_by_batch(_of_batch(function, problem), *arrays)
+
+
+def _batch_by_batch(run: Callable[..., Any], *arrays: np.ndarray) -> Any:
+    """Return what a compiled function gives of arrays, persons last, of any number of persons."""
     count = arrays[-1].shape[-1]
     pieces = []
-    with jax.enable_x64(True):
-        for first in range(0, max(count, 1), BATCH):
-            batch = [array[..., first : first + BATCH] for array in arrays]
-            size = batch[-1].shape[-1]
-            if size < BATCH:
-                # beyond the end the last person again; of nobody ones, which are thrown away
-                batch = [_filled_up(array) for array in batch]
-            found = run(*batch)
-            parts = found if isinstance(found, tuple) else (found,)
-            pieces.append([np.asarray(part)[..., :size] for part in parts])
-    whole = tuple(np.concatenate(parts, axis=-1) for parts in zip(*pieces, strict=True))
-    return whole if isinstance(found, tuple) else whole[0]
+    for first in range(0, max(count, 1), BATCH):
+        batch = [array[..., first : first + BATCH] for array in arrays]
+        size = batch[-1].shape[-1]
+        if size < BATCH:
+            # beyond the end the last person again; of nobody ones, which are thrown away
+            batch = [_filled_up(array) for array in batch]
+        found = run(*batch)
+        pieces.append(jax.tree.map(lambda part, size=size: np.asarray(part)[..., :size], found))
+    return jax.tree.map(lambda *parts: np.concatenate(parts, axis=-1), *pieces)
 
 
 def _filled_up(array: np.ndarray) -> np.ndarray:

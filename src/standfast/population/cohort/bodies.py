@@ -1,6 +1,6 @@
 """The body of one person of many: scaled by a stratum's model, or of their own segments."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -9,7 +9,8 @@ from standfast.numerics.arrays import Scalar, namespace
 from standfast.parameters import OWN_BODY
 from standfast.population.people.records import People
 
-# The people of one stratum, say of one sex, are scaled by one model; of each stratum its name.
+# The people of one stratum, say of one sex, are scaled by one model; of each stratum its name, or
+# one name for all.
 Models = tuple[str, ...]
 
 
@@ -18,6 +19,12 @@ def model_of_sex(body_model: str | Mapping[str, str], sex: str) -> str:
     if isinstance(body_model, str):
         return body_model
     return body_model.get(sex, body_model["other"])
+
+
+def models_of_sexes(body_model: str | Mapping[str, str], sexes: Iterable[str]) -> Models:
+    """Return the model of each sex; one for all, so one program, if they do not differ."""
+    models = tuple(model_of_sex(body_model, sex) for sex in sexes)
+    return models if len(set(models)) > 1 else models[:1]
 
 
 def scaled_body(models: Models, stratum: Scalar, height: Scalar, mass: Scalar) -> Body:
@@ -57,12 +64,10 @@ def models_of(
 ) -> tuple[Models, dict[str, np.ndarray]]:
     """Return the models of all, and the numbers that make each one's body."""
     sexes = tuple(dict.fromkeys(people.sex))
-    models = tuple(model_of_sex(body_model, sex) for sex in sexes)
+    models = models_of_sexes(body_model, sexes)
     numbers = {"height": people.height, "mass": people.mass}
-    if len(set(models)) > 1:
+    if len(models) > 1:
         numbers["stratum"] = np.array([sexes.index(sex) for sex in people.sex], np.float64)
-    else:
-        models = models[:1]  # whichever sexes there are, one program
     own = {name: people.measured[name] for name in OWN_BODY if name in people.measured}
     return models, {**numbers, **own}
 

@@ -5,8 +5,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from standfast.parameters import OWN_BODY
-from standfast.population.cohort.bodies import model_of_sex
+from standfast.population.cohort.bodies import models_of_sexes
 from standfast.population.cohort.persons import CohortModel
+from standfast.population.cohort.sizes import groups_of
+from standfast.population.people.builtin import PROPORTIONS
 from standfast.population.people.classes import UNKNOWN, age_class, age_classes_of
 from standfast.population.people.records import People
 from standfast.population.people.sampling import Sampler
@@ -80,14 +82,16 @@ def cohort_of(study: PopulationStudy, people: People | None) -> Cohort:
         ages = [name for _, name in classes] + [UNKNOWN]
         strata = tuple((sex, age) for sex in SEXES for age in ages if (sex, age) in set(labels))
         stratum = np.array([strata.index(label) for label in labels], np.float64)
+    population, sexes = study.content["population"], [sex for sex, _ in strata]
+    is_scattered = population["proportions"] == "scattered"
+    ankle, knee, hip = study.distributions
     model = CohortModel(
         study.gravity,
-        tuple(model_of_sex(study.content["population"]["body_model"], sex) for sex, _ in strata),
-        study.subpopulations,
-        tuple(sex for sex, _ in strata),
-        study.content["population"]["proportions"] == "scattered",
-        study.distributions,
-        study.nerves if study.is_fed_back else (),
+        models_of_sexes(population["body_model"], sexes),
+        groups_of(study.subpopulations),
+        tuple(PROPORTIONS[sex] for sex in sexes) if is_scattered else (),
+        (ankle.law, knee.law, hip.law),
+        tuple((name, each.law) for name, each in study.nerves) if study.is_fed_back else (),
         people is not None and OWN_BODY[0] in people.measured,
         study.sway,
     )

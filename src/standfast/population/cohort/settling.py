@@ -7,7 +7,7 @@ drawn, float by float, and the multiple as the law has it; a person right at the
 """
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -44,7 +44,10 @@ def settled(cohort: Cohort, numbers: np.ndarray, near: np.ndarray) -> Settled:
     """
     candidates = np.flatnonzero(near)
     drawn = map_over_batch(_as_drawn, cohort.model, cohort.names)
-    loads = [_load_of(joint, each.relative_to) for joint, each in _laws(cohort.model)]
+    loads = [
+        _load_of(joint, each.relative_to)
+        for joint, each in zip(JOINTS, cohort.model.laws, strict=True)
+    ]
     pieces = []
     for first in range(0, candidates.size, TOGETHER):
         rows = candidates[first : first + TOGETHER]
@@ -105,10 +108,6 @@ def _on_its_side(values: np.ndarray, rows: np.ndarray, above: np.ndarray) -> np.
     return moved
 
 
-def _laws(model: CohortModel) -> list[tuple[str, Any]]:
-    return list(zip(JOINTS, model.distributions, strict=True))
-
-
 def _load_of(joint: str, relative_to: str) -> int | None:
     """Return which joint's load a stiffness is a multiple of."""
     if relative_to == "absolute":
@@ -124,6 +123,6 @@ def _as_drawn(model: CohortModel, given: Mapping[str, Scalar]) -> dict[str, Scal
     entries = {f"{name}{i}": getattr(body, name)[i] for name, count in PARTS for i in range(count)}
     numbers = {
         name: xp.asarray(each.value(given.get(joint), given.get(name), 1.0), xp.float64)
-        for (joint, each), name in zip(_laws(model), STIFFNESSES, strict=True)
+        for joint, name, each in zip(JOINTS, STIFFNESSES, model.laws, strict=True)
     }
     return {**entries, **numbers, "in_doubt": in_doubt(model, person)}

@@ -1,10 +1,10 @@
-"""Distributions: what a parameter is in one person, given a random variate.
+"""Distributions of parameters over persons, as a study gives them.
 
-A distribution turns a *standard variate* into a stiffness, a gain, a delay: a standard normal or
-uniform number, whichever it asks for, so that sampling and correlation are the business of
-:mod:`.sampling` alone. A study calls a ready one, from a measurement, a law.
+A distribution turns a *standard variate* into a stiffness, a gain, a delay (:mod:`.laws`): a
+standard normal or uniform number, whichever it asks for, so that sampling and correlation are the
+business of :mod:`.sampling` alone. A study calls a ready one, from a measurement, a law.
 
-notation: K stiffness, G the load it is relative to, z a standard normal and u a uniform variate.
+notation: G the load it is relative to, z a standard normal and u a uniform variate.
 """
 
 import math
@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from standfast.errors import InputError, nearest_name
-from standfast.numerics.arrays import Scalar, namespace
 from standfast.parameters import (
     JOINTS,
     LOOPS,
@@ -23,6 +22,7 @@ from standfast.parameters import (
     gain_name,
 )
 from standfast.population.people.builtin import READY_DISTRIBUTIONS
+from standfast.population.people.laws import Law
 from standfast.study.values import known_keys
 
 RELATIVE_TO = ("absolute", "single_joint_critical", "mgh")
@@ -50,15 +50,6 @@ CROSS_GAINS = frozenset(
     for loop in LOOPS
     if loop[0] != loop[1]
 )
-
-
-@dataclass(frozen=True, slots=True)
-class Coordinate:
-    """One random number a person: uniform in (0, 1), or normal and not below ``lowest``."""
-
-    name: str
-    kind: str  # "uniform" or "normal"
-    lowest: float = -math.inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,35 +83,21 @@ class ParameterDistribution:
         """Whether it is 0 in everybody."""
         return self.kind != "measured" and not any(self.numbers)
 
-    def coordinate(self, name: str) -> Coordinate:
-        """Return the variate that it takes."""
-        if self.kind == "normal" and not self.signed:
-            mean, sd = self.numbers
-            return Coordinate(name, "normal", lowest=-mean / sd)
-        return Coordinate(name, "uniform" if self.kind == "uniform" else "normal")
-
-    def value(self, variate: Scalar, measured: Scalar, load: Scalar) -> Scalar:
-        """Return it for one person: from the variate, or measured, times the load G."""
-        if self.kind == "measured":
-            return measured
-        xp = namespace(variate, load)
+    @property
+    def law(self) -> Law:
+        """What persons are computed by."""
+        numbers, kind = self.numbers, self.kind
         if not self.is_random:
-            value = xp.asarray(self.numbers[0])
-        elif self.kind == "uniform":
-            low, high = self.numbers
-            value = low + (high - low) * variate
-        elif self.kind == "normal":
-            mean, sd = self.numbers
-            value = mean + sd * variate
-            if not self.signed:
-                # at the cut itself rounding may fall below 0
-                value = xp.maximum(value, 0.0)
-        else:
-            mean, sd = self.numbers
+            kind = "measured" if kind == "measured" else "fixed"
+            numbers = numbers[:1]
+        elif kind == "uniform":
+            low, high = numbers
+            numbers = (low, high - low)
+        elif kind == "lognormal":
+            mean, sd = numbers
             variance = math.log1p((sd / mean) ** 2)
-            mu, sigma = math.log(mean) - 0.5 * variance, math.sqrt(variance)
-            value = xp.exp(mu + sigma * variate)
-        return value * load
+            numbers = (math.log(mean) - 0.5 * variance, math.sqrt(variance))
+        return Law(kind, self.relative_to, numbers, self.signed)
 
     def canonical(self) -> dict[str, Any]:
         """Return it as a study says it."""
@@ -132,7 +109,11 @@ class ParameterDistribution:
 Distributions = tuple[tuple[str, ParameterDistribution], ...]
 
 
-def measured_of(distributions: Distributions) -> list[str]:
+# The laws of these.
+Laws = tuple[tuple[str, Law], ...]
+
+
+def measured_of(distributions: Distributions | Laws) -> list[str]:
     """Return which parameters are measured in each person of a file."""
     return [name for name, distribution in distributions if distribution.kind == "measured"]
 

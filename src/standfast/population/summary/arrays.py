@@ -139,7 +139,8 @@ def arrays_of(study: PopulationStudy) -> dict[str, tuple[tuple[int, ...], np.dty
         found[name] = shape, np.dtype(np.int64 if name == "persons" else np.float64)
     if study.keeps_persons:
         of_persons = {
-            name: kept_type(name) for name in kept_of(study.nerves, study.is_fed_back, study.sway)
+            name: kept_type(name)
+            for name in kept_of(dict(study.nerves), study.is_fed_back, study.sway)
         }
         found |= {f"person_{name}": ((study.size,), dtype) for name, dtype in of_persons.items()}
         found |= {name: ((study.size,), dtype) for name, dtype in identity_of(study).items()}

@@ -69,9 +69,9 @@ def map_over_batch(
     def evaluate(numbers: np.ndarray) -> dict[str, np.ndarray]:
         run = partial(mapped, arguments)
         with jax.enable_x64(True):
-            if numbers.shape[1] < WHOLE:
-                return _batch_by_batch(run, numbers)
-            return {name: np.asarray(values) for name, values in run(numbers).items()}
+            is_whole = numbers.shape[1] >= WHOLE
+            found = run(numbers) if is_whole else _batch_by_batch(run, numbers)
+            return {name: np.asarray(values) for name, values in found.items()}
 
     return evaluate
 

@@ -8,7 +8,6 @@ from standfast.parameters import OWN_BODY
 from standfast.population.cohort.bodies import models_of_sexes
 from standfast.population.cohort.persons import CohortModel
 from standfast.population.cohort.sizes import groups_of
-from standfast.population.people.builtin import PROPORTIONS
 from standfast.population.people.classes import UNKNOWN, age_class, age_classes_of
 from standfast.population.people.records import People
 from standfast.population.people.sampling import Sampler
@@ -89,7 +88,7 @@ def cohort_of(study: PopulationStudy, people: People | None) -> Cohort:
         study.gravity,
         models_of_sexes(population["body_model"], sexes),
         groups_of(study.subpopulations),
-        tuple(PROPORTIONS[sex] for sex in sexes) if is_scattered else (),
+        tuple(sexes) if is_scattered else (),
         (ankle.law, knee.law, hip.law),
         tuple((name, each.law) for name, each in study.nerves) if study.is_fed_back else (),
         people is not None and OWN_BODY[0] in people.measured,

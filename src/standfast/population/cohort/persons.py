@@ -35,7 +35,7 @@ class CohortModel(NamedTuple):
     gravity: float
     body_models: Models  # of each stratum, or one of all
     groups: tuple[Group, ...]  # none for people of a file
-    scatter: tuple[Vector, ...]  # of the proportions of each stratum; none where they are fixed
+    scattered: tuple[str, ...]  # sex of each stratum; none where proportions are fixed
     laws: tuple[Law, Law, Law]  # of the stiffness of ankle, knee and hip
     nerves: Laws = ()  # of damping, delay, gains, noise; none where nothing is fed back
     own_segments: bool = False  # people of the file have them, some or all
@@ -49,7 +49,7 @@ class CohortModel(NamedTuple):
             person += [Coordinate("height", "normal"), Coordinate("bmi", "normal")]
         else:
             person = [Coordinate("person", "uniform")]
-        if self.scatter:
+        if self.scattered:
             person += [Coordinate("shank", "normal"), Coordinate("thigh", "normal")]
         drawn = (*zip(JOINTS, self.laws, strict=True), *self.nerves)
         person += [each.coordinate(name) for name, each in drawn if each.is_random]
@@ -105,8 +105,8 @@ def person_of(model: CohortModel, given: Mapping[str, Scalar]) -> Person:
     else:
         height, mass, stratum = given["height"], given["mass"], given["stratum"]
     body = scaled_body(model.body_models, stratum, height, mass)
-    if model.scatter:
-        body = scattered(body, height, stratum, model.scatter, given)
+    if model.scattered:
+        body = scattered(body, height, stratum, model.scattered, given)
     body = with_own_segments(body, given)
     loads, _, _ = joint_gravity(body, model.gravity)
     stiffness = [

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 from standfast.anthropometry.body import Body
 from standfast.anthropometry.tables import ANKLE_HEIGHT
-from standfast.numerics.arrays import Scalar, Vector, namespace
-from standfast.population.people.builtin import Subpopulation
+from standfast.numerics.arrays import Scalar, namespace
+from standfast.population.people.builtin import PROPORTIONS, Subpopulation
 
 
 class Group(NamedTuple):
@@ -72,16 +72,16 @@ def scattered(
     body: Body,
     height: Scalar,
     stratum: Scalar,
-    scatter: tuple[Vector, ...],
+    sexes: Sequence[str],
     given: Mapping[str, Scalar],
 ) -> Body:
     """Give a body its own proportions: shank and thigh longer or shorter, stature kept.
 
-    ``scatter`` holds of each stratum the spreads of shank and thigh and their correlation. Centres
-    of mass move in proportion and inertias with the square of the length; the upper body makes up
-    for both legs' segments.
+    ``sexes`` are those of the strata. Centres of mass move in proportion and inertias with the
+    square of the length; the upper body makes up for both legs' segments.
     """
     xp = namespace(*body, given["shank"], given["thigh"])
+    scatter = [PROPORTIONS[sex] for sex in sexes]
     is_stratum = [stratum == number for number in range(len(scatter) - 1)]
     shank_sd, thigh_sd, r = (
         _first_that_holds(xp, is_stratum, column) for column in zip(*scatter, strict=True)

@@ -186,7 +186,7 @@ def test_quasi_monte_carlo_converges_faster_than_the_root():
     bmi = shift + np.exp(log_mean + log_sd * (r * z + math.sqrt(1 - r**2) * other))
     load = plain.loads(height.ravel(), (bmi * height**2).ravel(), G)[0].reshape(z.shape)
     exact = float((weights[:, None] * weights * load).sum())
-    sizes, errors = 2 ** np.arange(7, 15, 2), []  # each compiles anew
+    sizes, errors = 2 ** np.arange(7, 15, 2), []
     for size in sizes:
         found = counted(of(content, method="quasi-monte-carlo", size=16 * int(size)))
         means = np.array([each.load_sums[0, 0] for each in found]) / size

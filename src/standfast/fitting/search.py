@@ -83,6 +83,9 @@ def settled(
     point = start.astype(float)
     if not moving:
         return point
+    if [likelihood.points.family.free[k] for k in moving] == [NOISE]:  # in closed form
+        point[moving] = np.clip(likelihood.over_noise(point)[1], low[moving], high[moving])
+        return point
 
     def whole(coordinates: np.ndarray) -> np.ndarray:
         point[moving] = coordinates

@@ -14,7 +14,7 @@ def fits_once():
 
     Measures count to 12 digits, since a unit may round them: 4.1 mm / 1000 is not 0.0041.
     """
-    made, own = {}, fit._result
+    made, own = {}, fit.result_of
 
     def once(likelihood, given):
         values = [(name, f"{value:.12g}") for name, value in given.values.items()]
@@ -24,5 +24,5 @@ def fits_once():
         return made[asked]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(fit, "_result", once)
+        patch.setattr(fit, "result_of", once)
         yield

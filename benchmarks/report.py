@@ -11,11 +11,12 @@ from standfast.figures import style
 
 ORDER = (
     "verdicts", "storing", "peers", "feedback", "sway", "population", "workers", "growth",
-    "startup", "tricks", "cost",
+    "startup", "explore", "tricks", "cost",
 )  # fmt: skip
 HEAD = """# Benchmarks
 
-Made by `make bench` (about twenty minutes on two cores); each script of `benchmarks/` answers one
+Made by `make bench` (about twenty minutes on two cores), but for the page of `standfast explore`,
+whose script needs a browser; each script of `benchmarks/` answers one
 question and writes one JSON file here, from which this page is made. Compare rows of one table:
 all of it was measured in one run, job after job, and medians are told. Machines differ and are
 noisy; the ratios are what counts.

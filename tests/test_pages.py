@@ -15,6 +15,7 @@ import pytest
 import populations
 import standfast as sf
 from c3d_files import Plate, person, write_c3d
+from fits import fits_once
 from pages import commands_of, not_printed, run_page, words_of
 from recordings import sway, table, write_two_plates
 from standfast.quantities import QUANTITIES
@@ -48,11 +49,11 @@ def an_atlas(name: str) -> None:
 
 
 def a_study_to_draw(num: int = 8) -> dict:
-    """Two axes of eight values or more, body models, and the Moon."""
+    """Two axes of eight values or more, two knees, and the Moon."""
     study = copy.deepcopy(GOOD)
     side = {"start": 300.0, "stop": 2000.0, "num": num}
     study["gravity"] = [1.62, 9.81]
-    study["body"] = {"model": ["winter", "edwards2007"], "height": 1.75, "mass": 75}
+    study["body"] = {"model": "winter", "height": 1.75, "mass": 75}
     study["stiffness"] = {"ankle": side, "knee": [1200, 2000], "hip": side}
     study["output"]["quantities"] = ["frequency", "safety_factor"]
     return study
@@ -138,8 +139,15 @@ GIVEN = {
 }  # fmt: skip
 
 
+@pytest.fixture(scope="module")
+def one_fit_each():
+    """Pages show a fit as a command and in Python."""
+    with fits_once():
+        yield
+
+
 @pytest.fixture
-def desk(tmp_path, monkeypatch):
+def desk(tmp_path, monkeypatch, one_fit_each):
     """A folder of a reader, with our studies, and a package as a reader has it."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(grid, "SHARD_WORK", 512)  # the tests make it small

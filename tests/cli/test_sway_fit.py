@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import standfast as sf
+from fits import fits_once
 from recordings import sway, table
 from standfast.cli.app import main
 from standfast.cli.person_options import GivenPerson
@@ -22,6 +23,13 @@ from standfast.recordings import expected
 
 PERSON = ("--law", "dec-2015", "--height", "1.72", "--mass", "68")
 FIT = ("--fit", "noise,derivative_gain")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_fit_each():
+    """The command is asked for the same fit by most tests."""
+    with fits_once():
+        yield
 
 
 @pytest.fixture(scope="module")

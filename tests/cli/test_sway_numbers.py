@@ -8,6 +8,7 @@ import math
 import pytest
 
 import standfast as sf
+from fits import fits_once
 from recordings import sway, table
 from standfast.cli.app import main
 
@@ -15,6 +16,13 @@ TABLE = {"sd_ap": 0.0041, "mean_velocity_ap": 0.0058}
 MEASURES = ("--measure", "sd_ap=4.1mm", "--measure", "mean_velocity_ap=0.0058")
 PERSON = ("--law", "dec-2015", "--height", "1.75", "--mass", "70")
 FIT = ("--fit", "noise,derivative_gain")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_fit_each():
+    """The command is asked for the fit of the library."""
+    with fits_once():
+        yield
 
 
 @pytest.fixture(scope="module")

@@ -47,7 +47,8 @@ SPRINGS_AT_ZERO: dict[str, Any] = {
 
 
 def whole(study: sf.Study) -> dict[str, np.ndarray]:
-    return {name: np.asarray(sf.compute(study)[name]) for name in study.quantities}
+    atlas = sf.compute(study)
+    return {name: np.asarray(atlas[name]) for name in study.quantities}
 
 
 def points(study: sf.Study, count: int = 60):
@@ -79,8 +80,8 @@ def points(study: sf.Study, count: int = 60):
 def chart(request):
     """The chart in small chunks, compiled and not."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(grid, "FED_BACK_PERSONS", 16)
-        patch.setattr(grid, "FED_BACK_NUMBERS", 64)
+        patch.setattr(grid, "FED_BACK_PERSONS", 64)
+        patch.setattr(grid, "FED_BACK_NUMBERS", 256)
         patch.setattr(engine, "FEW", 0 if request.param == "compiled" else 10**9)
         content = CHART
         if request.param == "compiled":  # each number of free joints compiles anew

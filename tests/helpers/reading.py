@@ -15,6 +15,7 @@ def keep_figures(patch):
 
     def keep(figure, stem, formats=("png",)):
         figure.draw_without_rendering()
+        figure.set_layout_engine("none")  # what is saved is laid out once, as Matplotlib does it
         seen.append(figure)
         return [stem.with_name(f"{stem.name}.{suffix}") for suffix in formats]
 

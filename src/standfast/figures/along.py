@@ -20,7 +20,7 @@ from standfast.figures.given import atlas_in
 from standfast.figures.naming import curve_words, given_words, set_title
 from standfast.figures.scales import set_scale
 from standfast.figures.slicing import full_name, slice_of
-from standfast.figures.style import GREY, axes_for, graded, new_axes, note
+from standfast.figures.style import GREY, axes_for, graded, new_axes
 from standfast.parameters import PARAMETERS
 from standfast.quantities import QUANTITIES
 from standfast.study.study import Study
@@ -212,11 +212,16 @@ def _set_height(ax: Axes, quantity: str, curves: Sequence[np.ndarray], limit: fl
         # beyond the critical delay there may be delays at which the person stands again
         words = "beyond the critical delay" if quantity == "delay_margin" else "falls"
         if (limit - low) / (high - low) > 0.08:
-            ax.text(0.02, 0.03, words, transform=ax.transAxes, fontsize="small", color=GREY)
+            _say_below(ax, words)
     elif values.size and values.min() < 0.0 < values.max():
         ax.axhline(0.0, color=GREY, linewidth=0.5)
     if quantity.startswith("critical_") and quantity.endswith("_stiffness"):
-        note(ax, "above its curve a person stands")
+        # thresholds fall with the stiffness of another joint: no curve is below them at the left
+        _say_below(ax, "above its curve a person stands")
+
+
+def _say_below(ax: Axes, words: str) -> None:
+    ax.text(0.02, 0.03, words, transform=ax.transAxes, fontsize="small", color=GREY)
 
 
 def has_locus(atlas: Atlas, index: Mapping[str, int]) -> bool:

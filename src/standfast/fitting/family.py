@@ -18,7 +18,6 @@ from standfast.mechanics.law import Law
 from standfast.mechanics.matrices import joint_gravity
 from standfast.parameters import DAMPING_UNIT, JOINTS, STIFFNESS_UNIT
 from standfast.stability.delay.persons import all_crossings, all_rightmost
-from standfast.stability.delay.table import Crossings
 from standfast.stability.feedback import numbers_of
 from standfast.stability.sway.density import Swaying
 from standfast.stability.sway.person import swaying_alone
@@ -116,11 +115,26 @@ class Points(NamedTuple):
         numbers[4] *= factors[DERIVATIVE]
         return numbers, factors[DELAY]
 
-    def candidate(self, point: np.ndarray, *, slopes: bool = True) -> Candidate | None:
-        """Return the person at a point, with changes if ``slopes``; None who falls."""
+    def _all_at(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return A, B, C, P, D, the delays, and which joints are rigid, of all points."""
+        each = [self.at(point) for point in points]
+        numbers = np.concatenate([own for own, _ in each], axis=-1)
+        delay = np.array([late for _, late in each])
+        return numbers, delay, np.repeat(self.rigid, len(each), axis=1)
+
+    def stand(self, points: np.ndarray) -> np.ndarray:
+        """Return who of points, (n, coordinates), stands, (n,).
+
+        Whom rounding leaves open, on the boundary, does not.
+        """
+        numbers, delay, rigid = self._all_at(points)
+        table = all_crossings(numbers, rigid)
+        found: np.ndarray = table.stable_each(delay) & ~table.uncertain
+        return found
+
+    def candidate(self, point: np.ndarray, *, slopes: bool = True) -> Candidate:
+        """Return the person at a point, who stands, with changes if ``slopes``."""
         numbers, delay = self.at(point)
-        if not _stands(all_crossings(numbers, self.rigid), delay):
-            return None
         body, gravity, noisy = self.family.body, self.family.gravity, self.family.noisy
         swaying = swaying_alone(body, gravity, numbers, self.rigid, delay, noisy)
         factors, none = self.factors(point), np.zeros((3, 3))
@@ -138,12 +152,7 @@ class Points(NamedTuple):
 
         NaN of what is not proven.
         """
-        each = [self.at(point) for point in points]
-        numbers = np.concatenate([own for own, _ in each], axis=-1)
-        delay, rigid = (
-            np.array([late for _, late in each]),
-            np.repeat(self.rigid, len(each), axis=1),
-        )
+        numbers, delay, rigid = self._all_at(points)
         critical = all_crossings(numbers, rigid).critical_delay()
         root, proven = all_rightmost(numbers, rigid, delay)
         free = np.ix_(*[np.flatnonzero(~self.rigid[:, 0])] * 2)
@@ -180,10 +189,3 @@ def _is_real(roots: np.ndarray) -> np.ndarray:
     """Return which roots are real and finite."""
     real: np.ndarray = np.isfinite(roots) & (abs(roots.imag) < 1e-9 * (1.0 + abs(roots)))
     return real
-
-
-def _stands(table: Crossings, delay: float) -> bool:
-    """Return whether the person stands; whom rounding leaves open, on the boundary, does not."""
-    if table.uncertain[0]:
-        return False
-    return bool(table.stable_at(np.array([delay]))[0, 0])

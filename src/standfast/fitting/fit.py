@@ -106,7 +106,7 @@ def fit_sway(
     family = _checked_family(law, body, gravity, free, delay, noisy)
     given = checked_measures(measured, duration, rate, low_pass, family.law.joints)
     _check_they_tell(family, given)
-    return _result(Likelihood(points_of(family), given.target), given)
+    return result_of(Likelihood(points_of(family), given.target), given)
 
 
 def _check_they_tell(family: Family, given: Measured) -> None:
@@ -134,7 +134,14 @@ def _check_they_tell(family: Family, given: Measured) -> None:
     )
 
 
-def _result(likelihood: Likelihood, given: Measured) -> SwayFit:
+def result_of(likelihood: Likelihood, given: Measured) -> SwayFit:
+    """Return the fit of measures whose likelihood is known.
+
+    Raises
+    ------
+    InputError
+        if nobody stands.
+    """
     points, names = likelihood.points, likelihood.target.measures
     family = points.family
     coarse = coarse_grid(likelihood)

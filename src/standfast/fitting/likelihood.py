@@ -17,8 +17,7 @@ from standfast.fitting.family import NOISE, Points
 from standfast.fitting.moments import FREQUENCY, Moments, moments, readings_of
 from standfast.fitting.window import Window
 from standfast.numerics.arrays import TURN
-from standfast.stability.sway.density import Swaying
-from standfast.stability.sway.responses import determinant, responses
+from standfast.stability.sway.responses import Matrices, determinant, followed, matrices
 
 
 class Target(NamedTuple):
@@ -44,6 +43,17 @@ class Likelihood:
     def __init__(self, points: Points, target: Target) -> None:
         self.points, self.target = points, target
         self._last: tuple[bytes, np.ndarray, np.ndarray] | None = None
+        self._stands: dict[bytes, bool] = {}
+
+    def ask(self, points: np.ndarray) -> None:
+        """Find who of points, (n, coordinates), stands, before they are looked at one by one.
+
+        Of twenty together it takes as long as of one, 0.6 ms, and of five hundred as of ten.
+        """
+        verdicts = self.points.stand(points)
+        self._stands.update(
+            (point.tobytes(), bool(each)) for point, each in zip(points, verdicts, strict=True)
+        )
 
     def residual(self, point: np.ndarray) -> np.ndarray:
         """Return ρ and √(log |C| + c), (measures + 1,); infinite where the person falls."""
@@ -95,20 +105,18 @@ class Likelihood:
 
         With ``slopes`` their derivatives along all coordinates.
         """
-        candidate = self.points.candidate(point, slopes=slopes)
-        if candidate is None:
+        if point.tobytes() not in self._stands:
+            self.ask(point[None])
+        if not self._stands[point.tobytes()]:
             return None
+        candidate = self.points.candidate(point, slopes=slopes)
         measures, _, window, low_pass = self.target
         swaying, free = candidate.swaying, self.points.family.free
-        if rings(swaying, self.points.rigid[:, 0], TURN * window.hertz):
+        known = matrices(swaying, self.points.rigid[:, 0], TURN * window.hertz)
+        if rings(known):
             return None
-        response, slope = responses(
-            swaying,
-            self.points.rigid[:, 0],
-            TURN * window.hertz,
-            readings_of(measures),
-            candidate.changes,
-            TURN * low_pass,
+        response, slope = followed(
+            known, swaying, readings_of(measures), candidate.changes, TURN * low_pass
         )
         noisy = np.flatnonzero(swaying.noise[:, 0])
         found = moments(
@@ -146,23 +154,21 @@ class Likelihood:
         rho = np.linalg.solve(root, self.target.logarithms - found.mean)
         logarithm = 2.0 * np.log(np.diagonal(root)).sum()
         last = np.sqrt(max(logarithm + LEAST * count, 1.0))
-        columns = []
-        for mean, covariance in zip(found.mean_slope, found.covariance_slope, strict=True):
-            inner = np.linalg.solve(root, np.linalg.solve(root, covariance).T)
-            half = np.tril(inner)
-            half[np.diag_indices(count)] *= 0.5
-            columns.append(
-                np.append(-np.linalg.solve(root, mean) - half @ rho, 0.5 * np.trace(inner) / last)
-            )
-        return np.append(rho, last), np.stack(columns, axis=1)
+        below = np.linalg.inv(root)
+        inner = below @ found.covariance_slope @ below.T
+        half = np.tril(inner)
+        half[:, range(count), range(count)] *= 0.5
+        of_rho = -found.mean_slope @ below.T - half @ rho
+        of_last = 0.5 * np.trace(inner, axis1=1, axis2=2) / last
+        return np.append(rho, last), np.column_stack([of_rho, of_last]).T
 
 
-def rings(swaying: Swaying, rigid: np.ndarray, omega: np.ndarray) -> bool:
+def rings(known: Matrices) -> bool:
     """Return whether a person has a resonance that evenly spaced frequencies from 0 do not show.
 
     Slow drift, a pole next to 0, is none: what it adds is far from 0 as smooth as all else.
     """
-    found = determinant(swaying, rigid, omega[1:])
+    found = determinant(known)[1:]
     turned = found[1:] * found[:-1].conj()
     # |angle| > MOST_TURN, which is below a quarter turn
     return bool((turned.real < np.cos(MOST_TURN) * abs(turned)).any())

@@ -113,39 +113,82 @@ def _relative(
     noise: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return expectations of powers and covariances relative to them, each with derivatives."""
-    count, last = len(powers), len(window.hertz) - 1
-    mean, mean_slope = np.zeros(count), np.zeros((len(slope), count))
-    sequences: dict[tuple[int, int], np.ndarray] = {}
-    of_readings: dict[tuple[int, int], np.ndarray] = {}
+    count, changes = len(powers), len(slope)
+    pairs: dict[tuple[int, int], list[tuple[int, int]]] = {}
+    for i, (x, _) in enumerate(powers):
+        for j, (y, _) in enumerate(powers[: i + 1]):
+            pairs.setdefault((x, y), []).append((i, j))
+    density = {both: _densities(*both, response, slope, noise) for both in pairs}
+    every = np.zeros((1 + changes, count))
     for i, (x, a) in enumerate(powers):
-        for j, (y, b) in enumerate(powers[: i + 1]):
-            if (x, y) not in of_readings:
-                of_readings[x, y] = _densities(x, y, response, slope, noise)
-            both = of_readings[x, y] * window.mixed[a, b]
-            if i == j:
-                mean[i], *mean_slope[:, i] = integral(both.real, window.hertz[1])
-            every = 1 if a == b == STEPS else window.every
-            kept = both[:, : last // every + 1]
-            sequences[i, j] = fft.irfft(kept, 2 * last // every) / (every * window.step)
-    found, found_slope = np.zeros((count, count)), np.zeros((len(slope), count, count))
-    for (i, j), sequence in sequences.items():
-        a, b = powers[i][1], powers[j][1]
-        rho = sequence / np.sqrt(mean[i] * mean[j])
-        every = 2 * last // rho.shape[1]
-        overlap = every * window.overlap[a, b, ::every]
-        logarithmic = mean_slope[:, i] / mean[i] + mean_slope[:, j] / mean[j]
-        if i == j and a == STEPS:  # four times that of mean |steps|, as of a power
-            share = np.clip(rho[0], -1.0, 1.0)
-            angle = np.arcsin(share)
-            value = share * angle + np.sqrt(1.0 - share**2) - 1.0
-            turned, spent = share * angle, 4.0 * overlap
-            gradient = _sum(rho[1:], spent * angle) - 0.5 * logarithmic * _sum(turned, spent)
-        else:
-            value, spent = rho[0] ** 2, 2.0 * overlap
-            gradient = 2.0 * _sum(rho[1:], spent * rho[0]) - logarithmic * _sum(value, spent)
-        found[i, j] = found[j, i] = _sum(value, spent)
-        found_slope[:, i, j] = found_slope[:, j, i] = gradient
-    return mean, mean_slope, found, found_slope
+        every[:, i] = integral(density[x, x] * window.weight[a], window.hertz[1])
+    mean, logarithmic = every[0], every[1:] / every[0]
+    found, found_slope = np.zeros((count, count)), np.zeros((changes, count, count))
+    power = np.array([a for _, a in powers])
+    for both, whose in pairs.items():
+        fast = [(i, j) for i, j in whose if i == j and power[i] == STEPS]
+        slow = [pair for pair in whose if pair not in fast]
+        for some, vary in ((fast, _vary_of_steps), (slow, _vary_together)):
+            if not some:
+                continue
+            i, j = np.array(some).T
+            value, gradient = vary(
+                density[both],
+                power[i],
+                power[j],
+                window,
+                np.sqrt(mean[i] * mean[j]),
+                logarithmic[:, i] + logarithmic[:, j],
+            )
+            found[i, j] = found[j, i] = value
+            found_slope[:, i, j] = found_slope[:, j, i] = gradient
+    return mean, every[1:], found, found_slope
+
+
+def _vary_together(
+    density: np.ndarray,
+    a: np.ndarray,
+    b: np.ndarray,
+    window: Window,
+    root: np.ndarray,
+    logarithmic: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return 2 Σ G ρ² of pairs of powers, (pairs,), and its derivatives, (changes, pairs).
+
+    ``root`` is that of the product of their expectations, ``logarithmic`` the derivatives of its
+    square's logarithm.
+    """
+    last = (len(window.hertz) - 1) // window.every
+    spectra = density[:, None, : last + 1] * window.mixed[a, b, : last + 1]
+    rho = fft.irfft(spectra, 2 * last) / (window.every * window.step * root[:, None])
+    spent = 2.0 * window.every * window.overlap[a, b, :: window.every] * rho[0]
+    value = np.einsum("pu,pu->p", spent, rho[0])
+    return value, 2.0 * np.einsum("pu,cpu->cp", spent, rho[1:]) - logarithmic * value
+
+
+def _vary_of_steps(
+    density: np.ndarray,
+    a: np.ndarray,
+    b: np.ndarray,
+    window: Window,
+    root: np.ndarray,
+    logarithmic: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return four times the relative variance of mean |steps|, as of a power, likewise.
+
+    ρ is even here, so that half of the lags are enough, and of these those of the recording.
+    """
+    last, lags = len(window.hertz) - 1, window.lags
+    sequence = fft.dct(density * window.mixed[a[0], b[0]], 1)[:, :lags]
+    rho = sequence / (2 * last * window.step * root[0])
+    spent = 8.0 * window.overlap[a[0], b[0], :lags]
+    spent[0] *= 0.5
+    share = np.clip(rho[0], -1.0, 1.0)
+    angle = np.arcsin(share)
+    turned = share * angle
+    value = _sum(turned + np.sqrt(1.0 - share**2) - 1.0, spent)
+    gradient = _sum(rho[1:], spent * angle) - 0.5 * logarithmic[:, 0] * _sum(turned, spent)
+    return value[None], gradient[:, None]
 
 
 def _densities(

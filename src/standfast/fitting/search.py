@@ -48,11 +48,12 @@ def coarse_grid(likelihood: Likelihood) -> Grid:
     axes = tuple(np.linspace(low[k], high[k], COARSE[len(keep)]) for k in keep)
     shape = tuple(axis.size for axis in axes)
     size, noise = np.zeros(shape), np.zeros(shape)
-    for place, values in zip(np.ndindex(*size.shape), product(*axes), strict=True):
-        point = list(values)
-        if NOISE in free:
-            point.insert(free.index(NOISE), 0.0)
-        size[place], noise[place], _ = likelihood.over_noise(np.array(point))
+    points = np.array(list(product(*axes)))
+    if NOISE in free:
+        points = np.insert(points, free.index(NOISE), 0.0, axis=1)
+    likelihood.ask(points)
+    for place, point in zip(np.ndindex(*shape), points, strict=True):
+        size[place], noise[place], _ = likelihood.over_noise(point)
     return Grid(axes, size, noise)
 
 
@@ -81,6 +82,9 @@ def settled(
     moving = [k for k in range(start.size) if k != held]
     point = start.astype(float)
     if not moving:
+        return point
+    if [likelihood.points.family.free[k] for k in moving] == [NOISE]:  # in closed form
+        point[moving] = np.clip(likelihood.over_noise(point)[1], low[moving], high[moving])
         return point
 
     def whole(coordinates: np.ndarray) -> np.ndarray:

@@ -17,6 +17,7 @@ from standfast.fitting.likelihood import Likelihood
 # sums over a Gaussian in steps of one are exact to 1e-8, but for what lies further out, 3e-3.
 SQUARE, USUAL = 3, 4
 FURTHEST = 24  # steps that a walk takes
+ASKED = 8  # so many of them are asked together who stands; few walks take more
 NOTHING = 8.0  # of a logarithm: who weighs so much less ends a walk
 # So many persons weigh at least e^−2 of the most of a line; with fewer its step is halved.
 SHOWN, HALVED = 3, 5
@@ -67,20 +68,27 @@ class Weights:
 
         Even in p, log d and log τ beforehand. A person more likely than all minima is remembered.
         """
-        point = np.array(coordinates)
-        place = self.free.index(NOISE) if NOISE in self.free else None
-        if place is not None:
-            point = np.insert(point, place, 0.0)
+        (point,) = self._points(coordinates[None])
         size, noise, error = self.likelihood.over_noise(point)
         within = (coordinates >= self.low).all() and (coordinates <= self.high).all()
         if within and size < self.least - BETTER:
-            if place is not None:
-                point[place] = noise
+            if NOISE in self.free:
+                point[self.free.index(NOISE)] = noise
             self.better = point
         names = [self.free[k] for k in self.keep]
         beforehand = coordinates[names.index(PROPORTIONAL)] if PROPORTIONAL in names else 0.0
         error = error if error > 0.0 else 1.0
         return -0.5 * (size - self.least) + float(np.log(error) + beforehand), noise, error
+
+    def ask(self, coordinates: np.ndarray) -> None:
+        """Find who of many, (n, coordinates), stands, before each is asked for its weight."""
+        self.likelihood.ask(self._points(coordinates))
+
+    def _points(self, coordinates: np.ndarray) -> np.ndarray:
+        """Return points, (n, coordinates), of coordinates without the noise."""
+        if NOISE not in self.free:
+            return np.array(coordinates)
+        return np.insert(coordinates, self.free.index(NOISE), 0.0, axis=1)
 
     def axes(self, centre: np.ndarray) -> np.ndarray:
         """Return the root of the covariance of the coordinates across, in a slice."""
@@ -109,6 +117,7 @@ def laid(weights: Weights, centre: np.ndarray, covered: Covered) -> Slice:
         return Slice(centre, axes, -width, weight, *(np.full(weight.shape, x) for x in here[1:]))
     if others > 1:
         steps = _square(others, SQUARE)
+        weights.ask(_points(own, axes, steps.reshape(-1, others)))
         found = np.apply_along_axis(lambda step: _at(weights, own, axes, step, covered), -1, steps)
         return Slice(centre, axes, -SQUARE, found[..., 0] + _volume(axes), *_rest(found))
     return _line(weights, centre, axes, covered)
@@ -118,6 +127,7 @@ def _line(weights: Weights, centre: np.ndarray, axes: np.ndarray, covered: Cover
     """Return a slice with one coordinate across, in steps that show its greatest weight."""
     for halved in range(HALVED + 1):
         own = centre[weights.keep]
+        weights.ask(_points(own, axes, np.arange(-ASKED, ASKED + 1.0)[:, None]))
         middle = _at(weights, own, axes, np.zeros(1), covered)
         below, above = (_walk(weights, own, way * axes, middle[0], covered) for way in (-1.0, 1.0))
         found, first = np.array([*reversed(below), middle, *above]), -len(below)
@@ -148,8 +158,14 @@ def _walk(
 def _at(
     weights: Weights, own: np.ndarray, axes: np.ndarray, step: np.ndarray, covered: Covered
 ) -> tuple[float, float, float]:
-    point = np.append(own[:1], own[1:] + axes @ step)
+    (point,) = _points(own, axes, step[None])
     return (-np.inf, np.nan, np.nan) if covered(point) else weights.at(point)
+
+
+def _points(own: np.ndarray, axes: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Return the coordinates at steps, (n, others), from a slice's own."""
+    across = own[1:] + (steps[:, None] * axes).sum(axis=2)
+    return np.concatenate([np.tile(own[:1], (len(steps), 1)), across], axis=1)
 
 
 def _square(others: int, width: int) -> np.ndarray:

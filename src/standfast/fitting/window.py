@@ -40,6 +40,7 @@ class Window(NamedTuple):
     overlap : (powers, powers, 2 m − 2)
         Σ_t g_a(t) g_b(t + u) over the lags u, in the order of a discrete Fourier transform, g being
         how much a power has of each time: even, or Hann's windows squared.
+    lags : as many of them, from 0 on, as there is an overlap at
     """
 
     hertz: np.ndarray
@@ -48,6 +49,7 @@ class Window(NamedTuple):
     step: float
     every: int
     overlap: np.ndarray
+    lags: int
 
 
 @lru_cache(maxsize=8)
@@ -67,7 +69,7 @@ def window(count: int, rate: float, low_pass: float) -> Window:
     spent = np.stack([np.full(inside, 1.0 / inside)] * 2 + [_windows(inside, count, rate)] * 2)
     turned = fft.rfft(spent, size)
     overlap = fft.irfft(turned[:, None].conj() * turned[None], size)
-    return Window(hertz, weight, np.sqrt(weight[:, None] * weight), step, every, overlap)
+    return Window(hertz, weight, np.sqrt(weight[:, None] * weight), step, every, overlap, inside)
 
 
 def _windows(inside: int, count: int, rate: float) -> np.ndarray:

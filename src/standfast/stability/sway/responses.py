@@ -28,6 +28,25 @@ class Change(NamedTuple):
     delay: float
 
 
+class Matrices(NamedTuple):
+    """What a person's joints answer at each frequency, of the free joints.
+
+    Attributes
+    ----------
+    free : which joints are; omega : (n,), rad/s
+    moments : F, whole : H⁻¹ = F − ω² A, both (free, free, n)
+    gains : P and D, (free, free, 1)
+    turned : cos ωτ and sin ωτ, (n,)
+    """
+
+    free: np.ndarray
+    omega: np.ndarray
+    moments: np.ndarray
+    whole: np.ndarray
+    gains: tuple[np.ndarray, np.ndarray]
+    turned: tuple[np.ndarray, np.ndarray]
+
+
 def responses(
     swaying: Swaying,
     rigid: np.ndarray,
@@ -53,12 +72,23 @@ def responses(
     (readings, joints, n), complex, in rad or m per N·m·√s; 0 of a rigid joint.
     (changes, readings, joints, n), the derivatives.
     """
-    free = np.flatnonzero(~rigid)
-    moments, whole, gains, turned = _matrices(swaying, free, omega)
+    return followed(matrices(swaying, rigid, omega), swaying, readings, changes, low_pass)
+
+
+def followed(
+    known: Matrices,
+    swaying: Swaying,
+    readings: Sequence[str],
+    changes: Sequence[Change] = (),
+    low_pass: float = LOW_PASS,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the same of matrices that are known."""
+    free, omega, moments, whole, gains, turned = known
     h = _inverse(whole)
     by_moment, by_rotation = _weights(swaying, free, readings)
     gain = np.ones((len(readings), 1, omega.size))
-    gain[[name == "cop" for name in readings]] = 1.0 / (1.0 + (omega / low_pass) ** 4)
+    square = (omega / low_pass) ** 2
+    gain[[name == "cop" for name in readings]] = 1.0 / (1.0 + square**2)
     found = np.zeros((1 + len(changes), len(readings), 3, omega.size), complex)
     rows = _product(_product(by_moment, moments) + by_rotation, h)
     found[0][:, free] = gain * rows
@@ -68,24 +98,23 @@ def responses(
     return found[0], found[1:]
 
 
-def determinant(swaying: Swaying, rigid: np.ndarray, omega: np.ndarray) -> np.ndarray:
+def determinant(known: Matrices) -> np.ndarray:
     """Return det H⁻¹ of the free joints of one person, (n,): near a pole its angle turns by π."""
-    _, whole, _, _ = _matrices(swaying, np.flatnonzero(~rigid), omega)
+    whole = known.whole
     found: np.ndarray = whole[0, 0] if len(whole) == 1 else np.linalg.det(np.moveaxis(whole, -1, 0))
     return found
 
 
-def _matrices(
-    swaying: Swaying, free: np.ndarray, omega: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
-    """Return F, H⁻¹ = F − ω² A, (free, free, n), P and D, and cos ωτ and sin ωτ."""
+def matrices(swaying: Swaying, rigid: np.ndarray, omega: np.ndarray) -> Matrices:
+    """Return the matrices of one person's free joints at ω, (n,), rad/s."""
+    free = np.flatnonzero(~rigid)
     block = np.ix_(free, free)
     a, b, c, p, d = (matrix[block][..., None] for matrix in swaying.numbers[..., 0])
     # NumPy's own: as quick here as those of the densities, and right at any phase
     phase = omega * swaying.delay[0]
     turned = np.cos(phase), np.sin(phase)
     moments = _complex(moment(b, c, p, d, omega, turned))
-    return moments, moments - omega**2 * a, (p, d), turned
+    return Matrices(free, omega, moments, moments - omega**2 * a, (p, d), turned)
 
 
 def _moved(

@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 from scipy.stats import qmc
 
-from standfast.population.people.laws import Coordinate
+from standfast.population.people.draws import Coordinate
 from standfast.population.people.sampling import Sampler
 from standfast.population.people.sections import UNCORRELATED
 from standfast.population.people.sobol import direction_numbers, sobol_block

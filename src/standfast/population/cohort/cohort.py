@@ -89,8 +89,8 @@ def cohort_of(study: PopulationStudy, people: People | None) -> Cohort:
         models_of_sexes(population["body_model"], sexes),
         groups_of(study.subpopulations),
         tuple(sexes) if is_scattered else (),
-        (ankle.law, knee.law, hip.law),
-        tuple((name, each.law) for name, each in study.nerves) if study.is_fed_back else (),
+        (ankle.draw, knee.draw, hip.draw),
+        tuple((name, each.draw) for name, each in study.nerves) if study.is_fed_back else (),
         people is not None and OWN_BODY[0] in people.measured,
         study.sway,
     )

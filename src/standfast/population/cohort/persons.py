@@ -15,8 +15,8 @@ from standfast.numerics.arrays import ROUNDOFF, Scalar, Vector, namespace
 from standfast.parameters import JOINTS, OWN_BODY, STIFFNESSES
 from standfast.population.cohort.bodies import Models, scaled_body, with_own_segments
 from standfast.population.cohort.sizes import Group, sampled_size, scattered
-from standfast.population.people.distributions import Laws, measured_of
-from standfast.population.people.laws import Coordinate, Law
+from standfast.population.people.distributions import Draws, measured_of
+from standfast.population.people.draws import Coordinate, Draw
 from standfast.stability.margins import safety_factor
 from standfast.stability.modes import growth_rate_of, modes
 from standfast.stability.rounding import near_threshold, rounding_decides
@@ -36,8 +36,8 @@ class CohortModel(NamedTuple):
     body_models: Models  # of each stratum, or one of all
     groups: tuple[Group, ...]  # none for people of a file
     scattered: tuple[str, ...]  # sex of each stratum; none where proportions are fixed
-    laws: tuple[Law, Law, Law]  # of the stiffness of ankle, knee and hip
-    nerves: Laws = ()  # of damping, delay, gains, noise; none where nothing is fed back
+    stiffness: tuple[Draw, Draw, Draw]  # of ankle, knee and hip
+    nerves: Draws = ()  # of damping, delay, gains, noise; none where nothing is fed back
     own_segments: bool = False  # people of the file have them, some or all
     sway: tuple[str, ...] = ()  # quantities that are asked under noise
 
@@ -51,19 +51,19 @@ class CohortModel(NamedTuple):
             person = [Coordinate("person", "uniform")]
         if self.scattered:
             person += [Coordinate("shank", "normal"), Coordinate("thigh", "normal")]
-        drawn = (*zip(JOINTS, self.laws, strict=True), *self.nerves)
+        drawn = (*zip(JOINTS, self.stiffness, strict=True), *self.nerves)
         person += [each.coordinate(name) for name, each in drawn if each.is_random]
         return tuple(person)
 
     @property
     def free_joints(self) -> int:
         """How many joints are not rigid in everybody."""
-        return sum(not each.is_rigid for each in self.laws)
+        return sum(not each.is_rigid for each in self.stiffness)
 
     @property
     def measured(self) -> list[str]:
         """Which parameters are those of the person in the file."""
-        springs = tuple(zip(STIFFNESSES, self.laws, strict=True))
+        springs = tuple(zip(STIFFNESSES, self.stiffness, strict=True))
         return [*measured_of(springs + self.nerves), *(OWN_BODY if self.own_segments else ())]
 
     @property
@@ -111,7 +111,7 @@ def person_of(model: CohortModel, given: Mapping[str, Scalar]) -> Person:
     loads, _, _ = joint_gravity(body, model.gravity)
     stiffness = [
         each.value(given.get(joint), given.get(name), load_of(name, each.relative_to, loads))
-        for joint, name, each in zip(JOINTS, STIFFNESSES, model.laws, strict=True)
+        for joint, name, each in zip(JOINTS, STIFFNESSES, model.stiffness, strict=True)
     ]
     nerves = {
         name: each.value(given.get(name), given.get(name), load_of(name, each.relative_to, loads))

@@ -46,7 +46,7 @@ def settled(cohort: Cohort, numbers: np.ndarray, near: np.ndarray) -> Settled:
     drawn = map_over_batch(_as_drawn, cohort.model, cohort.names)
     loads = [
         _load_of(joint, each.relative_to)
-        for joint, each in zip(JOINTS, cohort.model.laws, strict=True)
+        for joint, each in zip(JOINTS, cohort.model.stiffness, strict=True)
     ]
     pieces = []
     for first in range(0, candidates.size, TOGETHER):
@@ -123,6 +123,6 @@ def _as_drawn(model: CohortModel, given: Mapping[str, Scalar]) -> dict[str, Scal
     entries = {f"{name}{i}": getattr(body, name)[i] for name, count in PARTS for i in range(count)}
     numbers = {
         name: xp.asarray(each.value(given.get(joint), given.get(name), 1.0), xp.float64)
-        for joint, name, each in zip(JOINTS, STIFFNESSES, model.laws, strict=True)
+        for joint, name, each in zip(JOINTS, STIFFNESSES, model.stiffness, strict=True)
     }
     return {**entries, **numbers, "in_doubt": in_doubt(model, person)}

@@ -1,6 +1,6 @@
 """Distributions of parameters over persons, as a study gives them.
 
-A distribution turns a *standard variate* into a stiffness, a gain, a delay (:mod:`.laws`): a
+A distribution turns a *standard variate* into a stiffness, a gain, a delay (:mod:`.draws`): a
 standard normal or uniform number, whichever it asks for, so that sampling and correlation are the
 business of :mod:`.sampling` alone. A study calls a ready one, from a measurement, a law.
 
@@ -22,7 +22,7 @@ from standfast.parameters import (
     gain_name,
 )
 from standfast.population.people.builtin import READY_DISTRIBUTIONS
-from standfast.population.people.laws import Law
+from standfast.population.people.draws import Draw
 from standfast.study.values import known_keys
 
 RELATIVE_TO = ("absolute", "single_joint_critical", "mgh")
@@ -84,8 +84,8 @@ class ParameterDistribution:
         return self.kind != "measured" and not any(self.numbers)
 
     @property
-    def law(self) -> Law:
-        """What persons are computed by."""
+    def draw(self) -> Draw:
+        """How a person draws it."""
         numbers, kind = self.numbers, self.kind
         if not self.is_random:
             kind = "measured" if kind == "measured" else "fixed"
@@ -97,7 +97,7 @@ class ParameterDistribution:
             mean, sd = numbers
             variance = math.log1p((sd / mean) ** 2)
             numbers = (math.log(mean) - 0.5 * variance, math.sqrt(variance))
-        return Law(kind, self.relative_to, numbers, self.signed)
+        return Draw(kind, self.relative_to, numbers, self.signed)
 
     def canonical(self) -> dict[str, Any]:
         """Return it as a study says it."""
@@ -109,11 +109,11 @@ class ParameterDistribution:
 Distributions = tuple[tuple[str, ParameterDistribution], ...]
 
 
-# The laws of these.
-Laws = tuple[tuple[str, Law], ...]
+# How these are drawn.
+Draws = tuple[tuple[str, Draw], ...]
 
 
-def measured_of(distributions: Distributions | Laws) -> list[str]:
+def measured_of(distributions: Distributions | Draws) -> list[str]:
     """Return which parameters are measured in each person of a file."""
     return [name for name, distribution in distributions if distribution.kind == "measured"]
 

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 
 from standfast.parameters import JOINTS
-from standfast.population.people.laws import Coordinate
+from standfast.population.people.draws import Coordinate
 from standfast.population.people.sections import UNCORRELATED, Correlation
 from standfast.population.people.sobol import aligned, sobol_block
 

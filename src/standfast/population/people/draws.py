@@ -1,4 +1,4 @@
-"""Laws: what a parameter is in one person, given a random variate.
+"""Draws: what a parameter is in one person, given a random variate.
 
 notation: K stiffness, G the load it is relative to, z a standard normal and u a uniform variate.
 """
@@ -19,7 +19,7 @@ class Coordinate:
     lowest: float = -math.inf
 
 
-class Law(NamedTuple):
+class Draw(NamedTuple):
     """A distribution as persons are computed by it: x G, with x of two numbers a and b.
 
     fixed: x = a; uniform: x = a + b u; normal: x = a + b z, not below 0 unless it is ``signed``;

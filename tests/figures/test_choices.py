@@ -17,6 +17,7 @@ from standfast.figures.atlas_figures import plot
 from standfast.figures.labels import name_curves
 from standfast.figures.style import paper_figure
 
+CURVED = {"start": 50.0, "stop": 2000.0, "num": 40}
 STUDY = {
     "gravity": [1.62, 3.71, 9.81],
     "body": {"model": ["winter", "edwards2007"], "height": 1.66, "mass": 68.0},
@@ -204,6 +205,34 @@ def test_curves_are_named_and_cut(atlas):
     assert names_of(ax) == ["$g$ = 1.62 m/s²", "3.71 m/s²", "9.81 m/s²"]
     assert ax.get_xscale() == "log"
     assert "falls" in {text.get_text() for text in ax.texts}
+
+
+@pytest.mark.parametrize(
+    ("section", "axes"),
+    [
+        ("stiffness", {"ankle": 900.0, "knee": [700.0, 3000.0, math.inf], "hip": CURVED}),
+        ("body", {"height": {"start": 0.5, "stop": 2.0, "num": 31}, "bmi": [20.0, 24.0]}),
+    ],
+)
+def test_no_curve_crosses_the_words_on_which_side_a_person_stands(section, axes, tmp_path):
+    study = {
+        "stiffness": {"ankle": 900.0, "knee": 3000.0, "hip": 1000.0},
+        "body": {"height": 1.7, "bmi": 24.0},
+        section: axes,
+        "output": {"quantities": ["critical_ankle_stiffness"]},
+    }
+    ax = sf.plot.curves(sf.sweep(study, tmp_path / "a.h5"), "critical_ankle_stiffness")
+    ax.figure.draw_without_rendering()
+    (words,) = [text for text in ax.texts if "a person stands" in text.get_text()]
+    box = words.get_window_extent()
+    assert ax.get_window_extent().contains(box.x0, box.y0)
+    for line in ax.lines:
+        x, y = line.get_data()
+        dense = np.linspace(x[0], x[-1], 4001)
+        points = ax.transData.transform(np.column_stack([dense, np.interp(dense, x, y)]))
+        inside = (points > [box.x0, box.y0]) & (points < [box.x1, box.y1])
+        assert not inside.all(axis=1).any()
+    plt.close(ax.figure)
 
 
 def test_a_quantity_without_spread_is_a_line_and_no_figure(tmp_path, drawn):

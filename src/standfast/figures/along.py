@@ -212,16 +212,19 @@ def _set_height(ax: Axes, quantity: str, curves: Sequence[np.ndarray], limit: fl
         # beyond the critical delay there may be delays at which the person stands again
         words = "beyond the critical delay" if quantity == "delay_margin" else "falls"
         if (limit - low) / (high - low) > 0.08:
-            _say_below(ax, words)
+            _say_left(ax, words)
     elif values.size and values.min() < 0.0 < values.max():
         ax.axhline(0.0, color=GREY, linewidth=0.5)
     if quantity.startswith("critical_") and quantity.endswith("_stiffness"):
-        # thresholds fall with the stiffness of another joint: no curve is below them at the left
-        _say_below(ax, "above its curve a person stands")
+        # thresholds fall with another joint's stiffness and rise with a body's size
+        steps = np.concatenate([np.diff(curve[np.isfinite(curve)]) for curve in curves])
+        _say_left(ax, "above its curve a person stands", at_top=bool(np.sign(steps).sum() > 0))
 
 
-def _say_below(ax: Axes, words: str) -> None:
-    ax.text(0.02, 0.03, words, transform=ax.transAxes, fontsize="small", color=GREY)
+def _say_left(ax: Axes, words: str, *, at_top: bool = False) -> None:
+    """Write grey words into a corner at the left."""
+    y, side = (0.97, "top") if at_top else (0.03, "baseline")
+    ax.text(0.02, y, words, transform=ax.transAxes, va=side, fontsize="small", color=GREY)
 
 
 def has_locus(atlas: Atlas, index: Mapping[str, int]) -> bool:

@@ -119,10 +119,10 @@ def _relative(
         for j, (y, _) in enumerate(powers[: i + 1]):
             pairs.setdefault((x, y), []).append((i, j))
     density = {both: _densities(*both, response, slope, noise) for both in pairs}
-    every = np.zeros((1 + changes, count))
+    integrals = np.zeros((1 + changes, count))
     for i, (x, a) in enumerate(powers):
-        every[:, i] = integral(density[x, x] * window.weight[a], window.hertz[1])
-    mean, logarithmic = every[0], every[1:] / every[0]
+        integrals[:, i] = integral(density[x, x] * window.weight[a], window.hertz[1])
+    mean, logarithmic = integrals[0], integrals[1:] / integrals[0]
     found, found_slope = np.zeros((count, count)), np.zeros((changes, count, count))
     power = np.array([a for _, a in powers])
     for both, whose in pairs.items():
@@ -142,7 +142,7 @@ def _relative(
             )
             found[i, j] = found[j, i] = value
             found_slope[:, i, j] = found_slope[:, j, i] = gradient
-    return mean, every[1:], found, found_slope
+    return mean, integrals[1:], found, found_slope
 
 
 def _vary_together(

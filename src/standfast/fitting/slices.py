@@ -17,7 +17,7 @@ from standfast.fitting.likelihood import Likelihood
 # sums over a Gaussian in steps of one are exact to 1e-8, but for what lies further out, 3e-3.
 SQUARE, USUAL = 3, 4
 FURTHEST = 24  # steps that a walk takes
-ASKED = 8  # so many of them are asked together who stands; few walks take more
+ASKED = 8  # of so many it is asked together who stands; who goes further asks one by one
 NOTHING = 8.0  # of a logarithm: who weighs so much less ends a walk
 # So many persons weigh at least e^−2 of the most of a line; with fewer its step is halved.
 SHOWN, HALVED = 3, 5

@@ -36,7 +36,7 @@ from standfast.stability.modes import frequency_of, modes, ratio_to_ankle
 from standfast.stability.springs import critical_stiffness, verdict
 
 DELAY = "feedback_delay"
-PIECE = 2**14  # persons who are computed together, at all times: 5 ms, and compiling takes 3 s
+PIECE = 2**14  # persons between two steps of the progress bar: 5 ms by springs
 
 
 def assess(
@@ -145,18 +145,14 @@ def _in_pieces(
     numbers: np.ndarray,
     step: Callable[[int], None] = lambda _persons: None,
 ) -> dict[str, np.ndarray]:
-    """Map a function of one person over all, in pieces of one length, so that it compiles once.
-
-    The last piece is filled up with its own persons, so whom a person comes with changes no bit.
-    """
+    """Map a function of one person over all; whom a person comes with changes no bit."""
     mapped = map_over_batch(function, models, names)
     count = numbers.shape[1]
     pieces = []
     for first in range(0, count, PIECE):
-        piece = np.arange(first, min(first + PIECE, count))
-        found = mapped(np.ascontiguousarray(numbers[:, np.resize(piece, PIECE)]))
-        pieces.append({name: values[: piece.size] for name, values in found.items()})
-        step(piece.size)
+        piece = numbers[:, first : first + PIECE]
+        pieces.append(mapped(piece))
+        step(piece.shape[1])
     return {name: np.concatenate([each[name] for each in pieces]) for name in pieces[0]}
 
 

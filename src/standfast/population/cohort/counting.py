@@ -189,9 +189,8 @@ def _growth_rates(cohort: Cohort, numbers: np.ndarray, fallen: np.ndarray) -> np
     rows = np.flatnonzero(fallen)[:MOST_FALLS]
     if rows.size == 0:
         return counted(rows)
-    of_falls = np.ascontiguousarray(numbers[:, np.resize(rows, MOST_FALLS)])
-    rates = map_over_batch(growth, cohort.model, cohort.names)(of_falls)["growth_rate"]
-    return counted(bin_of(rates[: rows.size]))
+    rates = map_over_batch(growth, cohort.model, cohort.names)(numbers[:, rows])["growth_rate"]
+    return counted(bin_of(rates))
 
 
 def _persons(cohort: Cohort, variates: np.ndarray, numbers: np.ndarray, size: int) -> bytes:

@@ -15,8 +15,8 @@ from standfast.numerics.arrays import ROUNDOFF, Scalar, Vector, namespace
 from standfast.parameters import JOINTS, OWN_BODY, STIFFNESSES
 from standfast.population.cohort.bodies import Models, scaled_body, with_own_segments
 from standfast.population.cohort.sizes import Group, sampled_size, scattered
-from standfast.population.people.distributions import Draws, measured_of
-from standfast.population.people.draws import Coordinate, Draw
+from standfast.population.people.distributions import measured_of
+from standfast.population.people.draws import Coordinate, Draw, Draws
 from standfast.stability.margins import safety_factor
 from standfast.stability.modes import growth_rate_of, modes
 from standfast.stability.rounding import near_threshold, rounding_decides

@@ -51,9 +51,8 @@ def settled(cohort: Cohort, numbers: np.ndarray, near: np.ndarray) -> Settled:
     pieces = []
     for first in range(0, candidates.size, TOGETHER):
         rows = candidates[first : first + TOGETHER]
-        # every batch has one length, so that it compiles once
-        found = drawn(np.ascontiguousarray(numbers[:, np.resize(rows, TOGETHER)]))
-        doubted = np.flatnonzero(found["in_doubt"][: rows.size])
+        found = drawn(numbers[:, rows])
+        doubted = np.flatnonzero(found["in_doubt"])
         found = {name: values[doubted] for name, values in found.items()}
         parts = ([found[f"{name}{i}"] for i in range(count)] for name, count in PARTS)
         multiples = np.array([found[name] for name in STIFFNESSES])

@@ -22,7 +22,7 @@ from standfast.parameters import (
     gain_name,
 )
 from standfast.population.people.builtin import READY_DISTRIBUTIONS
-from standfast.population.people.draws import Draw
+from standfast.population.people.draws import Draw, Draws
 from standfast.study.values import known_keys
 
 RELATIVE_TO = ("absolute", "single_joint_critical", "mgh")
@@ -107,10 +107,6 @@ class ParameterDistribution:
 
 # Distributions by the names of their parameters.
 Distributions = tuple[tuple[str, ParameterDistribution], ...]
-
-
-# How these are drawn.
-Draws = tuple[tuple[str, Draw], ...]
 
 
 def measured_of(distributions: Distributions | Draws) -> list[str]:

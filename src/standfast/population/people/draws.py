@@ -1,6 +1,6 @@
 """Draws: what a parameter is in one person, given a random variate.
 
-notation: K stiffness, G the load it is relative to, z a standard normal and u a uniform variate.
+notation: G the load it is relative to, z a standard normal and u a uniform variate.
 """
 
 import math
@@ -23,7 +23,7 @@ class Draw(NamedTuple):
     """A distribution as persons are computed by it: x G, with x of two numbers a and b.
 
     fixed: x = a; uniform: x = a + b u; normal: x = a + b z, not below 0 unless it is ``signed``;
-    lognormal: x = exp(a + b z); measured: K is the person's own. What has no spread is fixed. The
+    lognormal: x = exp(a + b z); measured: the person's own. What has no spread is fixed. The
     words say which program is compiled, the numbers are arguments of it
     (:func:`.map_over_batch`), but for ``inf``, a rigid joint.
     """
@@ -46,8 +46,8 @@ class Draw(NamedTuple):
     def coordinate(self, name: str) -> Coordinate:
         """Return the variate that it takes."""
         if self.kind == "normal" and not self.signed:
-            mean, sd = self.numbers
-            return Coordinate(name, "normal", lowest=-mean / sd)
+            start, width = self.numbers
+            return Coordinate(name, "normal", lowest=-start / width)
         return Coordinate(name, "uniform" if self.kind == "uniform" else "normal")
 
     def value(self, variate: Scalar, measured: Scalar, load: Scalar) -> Scalar:
@@ -65,3 +65,7 @@ class Draw(NamedTuple):
             # at the cut itself rounding may fall below 0
             value = xp.maximum(value, 0.0)
         return value * load
+
+
+# Draws by the names of their parameters.
+Draws = tuple[tuple[str, Draw], ...]

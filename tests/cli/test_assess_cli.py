@@ -147,11 +147,8 @@ def test_a_person_gets_the_same_bits_in_any_company(fifty, monkeypatch):
     programs = set()
 
     def noted(*problem):
-        def mapped(numbers):
-            programs.add((*problem, numbers.shape))
-            return map_over_batch(*problem)(numbers)
-
-        return mapped
+        programs.add(problem)  # each serves any number (test_distributions.py)
+        return map_over_batch(*problem)
 
     monkeypatch.setattr("standfast.population.assess.map_over_batch", noted)
     otherwise = {"knee": 900.0, "hip": "0.6mgh"}
